@@ -1,0 +1,2 @@
+//! The `lightmesh` program.
+fn main() {}

@@ -1,0 +1,53 @@
+//! What can go wrong in the core library.
+
+/// An error of the core library. Reading and writing files has its own in `lightmesh-io`.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene description contradicts itself or holds values that no scene can have.
+    #[error("{place}: {what}")]
+    InvalidScene {
+        /// Which object, by kind, index and name.
+        place: String,
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// There is no surface to render.
+    #[error("the scene has no surfaces: no triangle, sphere or shape that could be seen")]
+    EmptyScene,
+    /// An option is outside its range.
+    #[error("{option}: {what}")]
+    InvalidOption {
+        /// The field of [`RenderOptions`](crate::RenderOptions), as the command line spells it.
+        option: &'static str,
+        /// The range and the value that was given.
+        what: String,
+    },
+    /// The work would need more memory than allowed; nothing was allocated.
+    #[error("{what} would need {} of memory, more than the limit of {}; {advice}, or raise --max-memory", human_bytes(*.needed_bytes), human_bytes(*.limit_bytes))]
+    OutOfMemory {
+        /// What the memory is for.
+        what: &'static str,
+        /// Bytes it would take.
+        needed_bytes: u64,
+        /// The limit in force, bytes.
+        limit_bytes: u64,
+        /// Which setting to change.
+        advice: &'static str,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// A byte count with a binary unit, three digits.
+fn human_bytes(bytes: u64) -> String {
+    const UNITS: [&str; 7] = ["B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 { format!("{bytes} B") } else { format!("{value:.1} {}", UNITS[unit]) }
+}

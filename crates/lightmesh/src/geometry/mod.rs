@@ -1,0 +1,13 @@
+//! Nouns of space: rays, boxes, triangles' meshes, spheres and user-defined shapes.
+
+mod aabb;
+mod mesh;
+mod ray;
+mod shape;
+mod sphere;
+
+pub use aabb::Aabb;
+pub use mesh::TriangleMesh;
+pub use ray::{Ray, offset_origin};
+pub use shape::Shape;
+pub use sphere::Sphere;

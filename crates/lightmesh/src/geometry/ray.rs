@@ -1,0 +1,48 @@
+//! A ray with its interval, and the offset that keeps it off the surface it starts from.
+
+use glam::Vec3;
+
+/// A half-line `origin + t · direction`, t in (`t_min`, `t_max`).
+///
+/// `direction` need not be of unit length: t counts in units of it, which keeps t the same number in world and
+/// object space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start, metres.
+    pub origin: Vec3,
+    /// Direction, any non-zero length.
+    pub direction: Vec3,
+    /// Hits at t ≤ `t_min` are not seen.
+    pub t_min: f32,
+    /// Hits at t ≥ `t_max` are not seen.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray over t in (0, ∞).
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
+    }
+
+    /// The open segment from `from` to `to`: t in (0, 1).
+    pub fn segment(from: Vec3, to: Vec3) -> Self {
+        Self { origin: from, direction: to - from, t_min: 0.0, t_max: 1.0 }
+    }
+
+    /// The point at t, metres.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Relative size of [`offset_origin`]'s step: 2⁻¹⁷. A hit's position, interpolated in f32, is off by a few ulp
+/// (2⁻²² of its largest coordinate); a grazing ray multiplies that. Empirical: 2⁻²⁰ still showed acne on the columns of
+/// Sponza 20 m from the origin, 2⁻¹⁷ is 0.15 mm there.
+const OFFSET: f32 = 1.0 / 131_072.0;
+
+/// Moves a surface point a little to the side that `normal` (unit, geometric) points to, so that rays from it do not
+/// hit the surface itself. The step is relative to the point's largest coordinate plus `extent` · 2⁻¹⁷ / 64, where
+/// `extent` is the size (metres) of the object that was hit.
+pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32) -> Vec3 {
+    point + normal * ((point.abs().max_element() + extent / 64.0) * OFFSET)
+}

@@ -1,0 +1,161 @@
+//! What the user may choose; the command line and Python take their defaults from here.
+
+use crate::Error;
+
+/// How light is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The light mesh, six-axis directional.
+    #[default]
+    Mesh,
+    /// The light mesh as the paper writes it: one scalar per channel, formulas (1)-(3g).
+    Paper,
+    /// A shadow ray to every light sample at every hit: the paper's "standard tracing".
+    Standard,
+    /// Unidirectional path tracing with next-event estimation over all lights: the truth.
+    Path,
+}
+
+/// Distance between neighbouring mesh points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Spacing {
+    /// The longest edge of the scene's box / 40.
+    #[default]
+    Auto,
+    /// The longest edge of the scene's box divided by this; > 0.
+    Fraction(f32),
+    /// Metres, > 0.
+    Metres(f32),
+}
+
+/// The neighbourhood D_y of formula (3g).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Interpolation {
+    /// The eight corners of the cell, trilinear weights (figs. 10-11 of the paper).
+    #[default]
+    Trilinear,
+    /// Every mesh point within `radius` spacings, equal weights (figs. 7-9).
+    Sphere {
+        /// In spacings, > 0.
+        radius: f32,
+    },
+    /// The nearest mesh point (figs. 4-6).
+    Nearest,
+}
+
+/// Attenuation with distance: φ1 and φ3 of the paper.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Falloff {
+    /// r², physical.
+    #[default]
+    InverseSquare,
+    /// The paper's Const + r; `constant` in metres, ≥ 0.
+    ConstantPlusDistance {
+        /// Metres.
+        constant: f32,
+    },
+}
+
+/// How Ĩ of the paper's method is scaled (DESIGN: (2) × (3) is an energy squared).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PaperScale {
+    /// Divide each mesh point's sum (1) by the same sum without V_i: Ĩ is a mean visibility in [0, 1].
+    #[default]
+    Visibility,
+    /// Formulas as printed, one constant for the whole picture.
+    Constant,
+}
+
+/// Everything that decides what a picture looks like, apart from scene and camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderOptions {
+    /// How light is computed.
+    pub method: Method,
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// Samples per pixel, box filter of one pixel; 1 samples the pixel's centre.
+    pub spp: u32,
+    /// Diffuse interreflections; 0 is direct light only. Only [`Method::Path`] computes them so far.
+    pub bounces: u32,
+    /// How many mirror and refraction events a ray may meet in a row.
+    pub depth: u32,
+    /// A mirrored or refracted ray that carries less than this fraction of the picture's light is dropped.
+    pub cutoff: f32,
+    /// Spacing of the direct mesh.
+    pub spacing: Spacing,
+    /// How mesh points are combined.
+    pub interpolation: Interpolation,
+    /// φ1: attenuation inside the direct field of [`Method::Paper`].
+    pub field_falloff: Falloff,
+    /// φ3: attenuation of the unshadowed sum, for every method.
+    pub falloff: Falloff,
+    /// Scale of Ĩ in [`Method::Paper`].
+    pub paper_scale: PaperScale,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Limit of what a render may hold in memory, bytes.
+    pub max_memory: u64,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            width: 1280,
+            height: 720,
+            spp: 4,
+            bounces: 3,
+            depth: 8,
+            cutoff: 1e-3,
+            spacing: Spacing::default(),
+            interpolation: Interpolation::default(),
+            field_falloff: Falloff::default(),
+            falloff: Falloff::default(),
+            paper_scale: PaperScale::default(),
+            seed: 0,
+            max_memory: 4 << 30,
+        }
+    }
+}
+
+impl RenderOptions {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] names the first field outside its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let bad = |option, what: String| Err(Error::InvalidOption { option, what });
+        if self.width == 0 || self.height == 0 {
+            return bad("size", format!("width and height must be at least 1, not {}x{}", self.width, self.height));
+        }
+        if self.spp == 0 || self.spp > 1 << 20 {
+            return bad("spp", format!("must be between 1 and 1048576, not {}", self.spp));
+        }
+        if let Spacing::Metres(x) | Spacing::Fraction(x) = self.spacing
+            && !(x > 0.0 && x.is_finite())
+        {
+            return bad("spacing", format!("must be above 0, not {x}"));
+        }
+        if let Interpolation::Sphere { radius } = self.interpolation
+            && !(radius > 0.0 && radius <= 16.0)
+        {
+            return bad(
+                "interpolation",
+                format!("the sphere's radius must be above 0 and at most 16 spacings, not {radius}"),
+            );
+        }
+        for (option, falloff) in [("falloff", self.falloff), ("field-falloff", self.field_falloff)] {
+            if let Falloff::ConstantPlusDistance { constant } = falloff
+                && !(constant >= 0.0 && constant.is_finite())
+            {
+                return bad(option, format!("the constant must be 0 metres or more, not {constant}"));
+            }
+        }
+        if !(self.cutoff >= 0.0 && self.cutoff < 1.0) {
+            return bad("cutoff", format!("must be at least 0 and below 1, not {}", self.cutoff));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,152 @@
+//! Cameras.
+
+use glam::{Affine3A, Vec3};
+
+use crate::geometry::{Aabb, Ray};
+
+/// How a camera maps directions to the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// A pinhole.
+    Perspective {
+        /// Vertical field of view, radians, in (0, π).
+        yfov: f32,
+        /// Width over height that the author meant; `None`: any.
+        aspect: Option<f32>,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half the width of the view, metres.
+        xmag: f32,
+        /// Half its height, metres.
+        ymag: f32,
+    },
+}
+
+/// A camera; it looks along its own −Z, +Y is up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name in the file; may be empty.
+    pub name: String,
+    /// World space from camera space; scale is ignored.
+    pub world_from_camera: Affine3A,
+    /// Lens.
+    pub projection: Projection,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`; `yfov` in radians.
+    pub fn look_at(eye: Vec3, target: Vec3, yfov: f32) -> Self {
+        let back = (eye - target).normalize_or(Vec3::Z);
+        let up = if back.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+        let right = up.cross(back).normalize();
+        let matrix = glam::Mat3A::from_cols(right.into(), back.cross(right).into(), back.into());
+        Self {
+            name: String::new(),
+            world_from_camera: Affine3A { matrix3: matrix, translation: eye.into() },
+            projection: Projection::Perspective { yfov, aspect: None },
+        }
+    }
+
+    /// A camera that has the whole box in view, from a little above and to the right of its +Z side.
+    pub fn framing(bounds: &Aabb) -> Self {
+        let yfov = 0.8_f32;
+        let radius = (0.5 * bounds.size().length()).max(1e-6);
+        let direction = Vec3::new(0.45, 0.35, 1.0).normalize();
+        let center = bounds.center();
+        Self::look_at(center + direction * (radius / libm::sinf(0.5 * yfov)), center, yfov)
+    }
+
+    /// Width over height that the camera asks for; 1.5 where it does not say.
+    pub fn aspect(&self) -> f32 {
+        match self.projection {
+            Projection::Perspective { aspect, .. } => aspect.unwrap_or(1.5),
+            Projection::Orthographic { xmag, ymag } => (xmag / ymag).abs(),
+        }
+    }
+
+    /// What turns film positions of a `width` × `height` picture into rays. A perspective camera keeps its vertical
+    /// field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
+    pub fn film(&self, width: u32, height: u32) -> FilmRays {
+        let m = &self.world_from_camera.matrix3;
+        let (right, up) = (Vec3::from(m.x_axis).normalize_or(Vec3::X), Vec3::from(m.y_axis).normalize_or(Vec3::Y));
+        let forward = -Vec3::from(m.z_axis).normalize_or(Vec3::Z);
+        let eye = Vec3::from(self.world_from_camera.translation);
+        let half_height = match self.projection {
+            Projection::Perspective { yfov, .. } => libm::tanf(0.5 * yfov),
+            Projection::Orthographic { ymag, .. } => ymag,
+        };
+        let pixel = 2.0 * half_height / height as f32;
+        FilmRays {
+            eye,
+            forward,
+            dx: right * pixel,
+            dy: up * -pixel,
+            center_x: 0.5 * width as f32,
+            center_y: 0.5 * height as f32,
+            parallel: matches!(self.projection, Projection::Orthographic { .. }),
+        }
+    }
+}
+
+/// The rays of one camera and film size.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmRays {
+    eye: Vec3,
+    forward: Vec3,
+    dx: Vec3,
+    dy: Vec3,
+    center_x: f32,
+    center_y: f32,
+    parallel: bool,
+}
+
+impl FilmRays {
+    /// The ray through film position (x, y) in pixels, (0, 0) the upper left corner of the picture; unit direction.
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let offset = self.dx * (x - self.center_x) + self.dy * (y - self.center_y);
+        if self.parallel {
+            Ray::new(self.eye + offset, self.forward)
+        } else {
+            Ray::new(self.eye, (self.forward + offset).normalize())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_of_the_film_looks_at_the_target_and_up_is_up() {
+        let camera = Camera::look_at(Vec3::new(3.0, 2.0, 5.0), Vec3::new(0.0, 1.0, 0.0), 0.7);
+        let film = camera.film(200, 100);
+        let ray = film.ray(100.0, 50.0);
+        assert!((ray.direction - Vec3::new(-3.0, -1.0, -5.0).normalize()).length() < 1e-6);
+        assert!(film.ray(100.0, 10.0).direction.y > ray.direction.y);
+    }
+
+    /// The vertical field of view spans the height: the angle between the top and bottom rays is `yfov`.
+    #[test]
+    fn the_field_of_view_is_vertical() {
+        let film = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 0.9).film(300, 100);
+        let (top, bottom) = (film.ray(150.0, 0.0), film.ray(150.0, 100.0));
+        assert!((top.direction.angle_between(bottom.direction) - 0.9).abs() < 1e-5);
+    }
+
+    #[test]
+    fn framing_sees_every_corner_of_the_box() {
+        let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 4.0), max: Vec3::new(9.0, 3.0, 6.0) };
+        let camera = Camera::framing(&bounds);
+        let camera_from_world = camera.world_from_camera.inverse();
+        for i in 0..8 {
+            let p = Vec3::new(
+                [bounds.min.x, bounds.max.x][i & 1],
+                [bounds.min.y, bounds.max.y][i >> 1 & 1],
+                [bounds.min.z, bounds.max.z][i >> 2],
+            );
+            let c = camera_from_world.transform_point3(p);
+            assert!(c.z < 0.0 && (c.y / c.z).abs() < libm::tanf(0.4));
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! The plain description of a scene, as a reader or a program fills it in.
+
+use std::sync::Arc;
+
+use glam::Affine3A;
+
+use super::{Camera, ImageData, Light, Material, Texture};
+use crate::geometry::{Shape, Sphere, TriangleMesh};
+
+/// A mesh placed in the world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// Index into [`SceneData::meshes`].
+    pub mesh: usize,
+    /// World space from the mesh's object space; a mirroring transform keeps the front side the front.
+    pub world_from_object: Affine3A,
+}
+
+/// A user-defined surface and its material.
+#[derive(Clone, Debug)]
+pub struct ShapeEntry {
+    /// The surface, in world space.
+    pub shape: Arc<dyn Shape>,
+    /// Index into [`SceneData::materials`].
+    pub material: usize,
+}
+
+/// Everything that a scene file says, in plain arrays: metres, Y up or not as the author likes, candela, lux and cd/m².
+///
+/// It may hold anything; `Scene::new` checks it once and builds what rays need.
+#[derive(Clone, Debug, Default)]
+pub struct SceneData {
+    /// Triangle meshes in object space.
+    pub meshes: Vec<TriangleMesh>,
+    /// Their places in the world. A mesh with many instances is stored once.
+    pub instances: Vec<Instance>,
+    /// Analytic spheres in world space.
+    pub spheres: Vec<Sphere>,
+    /// User-defined surfaces in world space.
+    pub shapes: Vec<ShapeEntry>,
+    /// Materials; surfaces refer to them by index.
+    pub materials: Vec<Material>,
+    /// Textures: an image with its wrap modes and filter.
+    pub textures: Vec<Texture>,
+    /// Decoded images.
+    pub images: Vec<ImageData>,
+    /// Punctual lights.
+    pub lights: Vec<Light>,
+    /// Cameras of the file.
+    pub cameras: Vec<Camera>,
+}

@@ -1,0 +1,39 @@
+//! Punctual lights, in glTF's photometric units (KHR_lights_punctual).
+
+use glam::Vec3;
+
+/// A light without extent. Colours are linear RGB and already multiplied by the intensity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// Shines alike in every direction.
+    Point {
+        /// Metres.
+        position: Vec3,
+        /// Luminous intensity per channel, candela.
+        intensity_cd: Vec3,
+        /// Distance (metres) at which KHR_lights_punctual's window reaches zero; `None`: infinite.
+        range: Option<f32>,
+    },
+    /// A cone with a smooth edge, `(clamp((cosθ − cos outer) / (cos inner − cos outer)))²` as KHR_lights_punctual recommends.
+    Spot {
+        /// Metres.
+        position: Vec3,
+        /// Unit; the way the light shines.
+        direction: Vec3,
+        /// Luminous intensity on the axis per channel, candela.
+        intensity_cd: Vec3,
+        /// As for a point light.
+        range: Option<f32>,
+        /// Half angle (radians) inside which the intensity is full; 0 ≤ inner < outer.
+        inner_cone_angle: f32,
+        /// Half angle (radians) outside which it is zero; ≤ π/2.
+        outer_cone_angle: f32,
+    },
+    /// Infinitely far away.
+    Directional {
+        /// Unit; the way the light shines.
+        direction: Vec3,
+        /// Illuminance per channel on a surface that faces it, lux.
+        illuminance_lux: Vec3,
+    },
+}

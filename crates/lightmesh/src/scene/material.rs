@@ -1,0 +1,105 @@
+//! Surface materials: glTF 2.0 metallic-roughness and the extensions that we read.
+
+use glam::Vec3;
+
+use super::TextureRef;
+
+/// How the base colour's alpha is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Solid where alpha ≥ `cutoff`, absent elsewhere.
+    Mask {
+        /// In [0, 1].
+        cutoff: f32,
+    },
+    /// Covers the fraction alpha; rays go on behind with the rest.
+    Blend,
+}
+
+/// A material as glTF describes it. Textures multiply the factor beside them.
+///
+/// The reflection model is Lambert plus mirror; [`crate::integrator`] documents how the parameters map to it.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name in the file, for messages; may be empty.
+    pub name: String,
+    /// Linear RGB, each in [0, 1].
+    pub base_color: Vec3,
+    /// In [0, 1].
+    pub alpha: f32,
+    /// sRGB colour and linear alpha.
+    pub base_color_texture: Option<TextureRef>,
+    /// How alpha is used.
+    pub alpha_mode: AlphaMode,
+    /// In [0, 1].
+    pub metallic: f32,
+    /// In [0, 1]; 0 is a perfect mirror.
+    pub roughness: f32,
+    /// Linear; G multiplies roughness, B multiplies metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Emitted luminance per channel, cd/m² (emissiveFactor × emissiveStrength).
+    pub emission: Vec3,
+    /// sRGB.
+    pub emission_texture: Option<TextureRef>,
+    /// Linear tangent-space normals.
+    pub normal_texture: Option<TextureRef>,
+    /// Scale of the normal map's x and y.
+    pub normal_scale: f32,
+    /// KHR_materials_specular's factor in [0, 1]; 0 makes a dielectric exactly Lambert.
+    pub specular: f32,
+    /// Linear; A multiplies `specular`.
+    pub specular_texture: Option<TextureRef>,
+    /// KHR_materials_specular's colour of F0, linear RGB ≥ 0.
+    pub specular_color: Vec3,
+    /// sRGB.
+    pub specular_color_texture: Option<TextureRef>,
+    /// Index of refraction, 1 or more (KHR_materials_ior).
+    pub ior: f32,
+    /// Fraction of the light that is not reflected which is refracted, in [0, 1] (KHR_materials_transmission).
+    pub transmission: f32,
+    /// Linear; R multiplies `transmission`.
+    pub transmission_texture: Option<TextureRef>,
+    /// glTF's doubleSided. Surfaces shade from both sides anyway; it says that back faces are no sign of a solid's inside.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: the base colour is shown as it is and no light changes it.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// White, fully rough, dielectric with glTF's defaults (ior 1.5, specular 1).
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec3::ONE,
+            alpha: 1.0,
+            base_color_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            specular: 1.0,
+            specular_texture: None,
+            specular_color: Vec3::ONE,
+            specular_color_texture: None,
+            ior: 1.5,
+            transmission: 0.0,
+            transmission_texture: None,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+impl Material {
+    /// An exactly Lambertian material of the given linear albedo.
+    pub fn lambert(albedo: Vec3) -> Self {
+        Self { base_color: albedo, specular: 0.0, ..Self::default() }
+    }
+}

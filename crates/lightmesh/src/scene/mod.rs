@@ -1,0 +1,13 @@
+//! What is rendered: the plain description ([`SceneData`]) and the checked, built scene ([`Scene`]).
+
+mod camera;
+mod data;
+mod light;
+mod material;
+mod texture;
+
+pub use camera::{Camera, Projection};
+pub use data::{Instance, SceneData, ShapeEntry};
+pub use light::Light;
+pub use material::{AlphaMode, Material};
+pub use texture::{Filter, ImageData, Texels, Texture, TextureRef, UvTransform, Wrap};

@@ -1,0 +1,233 @@
+//! Images and how surfaces look them up.
+
+use std::sync::Arc;
+
+use glam::{Mat2, Vec2, Vec4};
+
+/// Texels of an image, row by row from the upper left corner.
+#[derive(Clone, Debug)]
+pub enum Texels {
+    /// 8 bits per channel, RGBA; colours are sRGB-encoded or linear as their use says.
+    Rgba8(Arc<[[u8; 4]]>),
+    /// 32-bit float RGBA, linear.
+    Rgba32F(Arc<[[f32; 4]]>),
+}
+
+/// A decoded image.
+#[derive(Clone, Debug)]
+pub struct ImageData {
+    /// Name or URI, for messages; may be empty.
+    pub name: String,
+    /// Texels per row, > 0.
+    pub width: u32,
+    /// Rows, > 0.
+    pub height: u32,
+    /// `width · height` texels.
+    pub texels: Texels,
+}
+
+/// What happens outside [0, 1].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image repeats.
+    #[default]
+    Repeat,
+    /// Every other copy is mirrored.
+    MirroredRepeat,
+    /// The border texel goes on.
+    ClampToEdge,
+}
+
+/// How texels are combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// The four nearest, weighted.
+    #[default]
+    Bilinear,
+    /// The one nearest.
+    Nearest,
+}
+
+/// An image with its sampler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// Index into [`SceneData::images`](crate::SceneData::images).
+    pub image: usize,
+    /// Horizontally.
+    pub wrap_s: Wrap,
+    /// Vertically.
+    pub wrap_t: Wrap,
+    /// Magnification filter; there are no mip levels, antialiasing is by samples.
+    pub filter: Filter,
+}
+
+/// KHR_texture_transform: `uv' = translation · rotation · scale · uv`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvTransform {
+    /// The linear part.
+    pub matrix: Mat2,
+    /// The translation.
+    pub offset: Vec2,
+}
+
+impl Default for UvTransform {
+    fn default() -> Self {
+        Self { matrix: Mat2::IDENTITY, offset: Vec2::ZERO }
+    }
+}
+
+impl UvTransform {
+    /// From the extension's three properties; `rotation` in radians, counter-clockwise as KHR_texture_transform defines it.
+    pub fn new(offset: Vec2, rotation: f32, scale: Vec2) -> Self {
+        let (sin, cos) = (libm::sinf(rotation), libm::cosf(rotation));
+        let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
+        Self { matrix: rotation * Mat2::from_diagonal(scale), offset }
+    }
+
+    /// The transformed coordinate.
+    pub fn apply(&self, uv: Vec2) -> Vec2 {
+        self.matrix * uv + self.offset
+    }
+}
+
+/// A material's reference to a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`SceneData::textures`](crate::SceneData::textures).
+    pub texture: usize,
+    /// 0 or 1: which of the mesh's texture coordinate sets.
+    pub uv_set: usize,
+    /// KHR_texture_transform; identity by default.
+    pub transform: UvTransform,
+}
+
+impl Texture {
+    /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
+    pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: Decode) -> Vec4 {
+        let (w, h) = (image.width as i64, image.height as i64);
+        let (x, y) = (uv.x * image.width as f32, uv.y * image.height as f32);
+        let texel = |i: i64, j: i64| {
+            let index = wrap(self.wrap_t, j, h) * image.width as usize + wrap(self.wrap_s, i, w);
+            decode.texel(&image.texels, index)
+        };
+        match self.filter {
+            Filter::Nearest => texel(floor(x), floor(y)),
+            Filter::Bilinear => {
+                let (x, y) = (x - 0.5, y - 0.5);
+                let (i, j) = (floor(x), floor(y));
+                let (fx, fy) = (x - i as f32, y - j as f32);
+                let top = texel(i, j).lerp(texel(i + 1, j), fx);
+                let bottom = texel(i, j + 1).lerp(texel(i + 1, j + 1), fx);
+                top.lerp(bottom, fy)
+            }
+        }
+    }
+}
+
+/// How stored texels become linear values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Decode {
+    /// RGB through the sRGB curve (8-bit only), alpha linear.
+    Srgb,
+    /// As stored.
+    Linear,
+}
+
+impl Decode {
+    fn texel(self, texels: &Texels, index: usize) -> Vec4 {
+        match texels {
+            Texels::Rgba32F(t) => Vec4::from_array(t[index]),
+            Texels::Rgba8(t) => {
+                let [r, g, b, a] = t[index];
+                let alpha = f32::from(a) / 255.0;
+                match self {
+                    Self::Linear => Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a)) / 255.0,
+                    Self::Srgb => {
+                        let lut = srgb_table();
+                        Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], alpha)
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Linear value of each sRGB byte (IEC 61966-2-1).
+fn srgb_table() -> &'static [f32; 256] {
+    static TABLE: std::sync::OnceLock<[f32; 256]> = std::sync::OnceLock::new();
+    TABLE.get_or_init(|| {
+        std::array::from_fn(|i| {
+            let c = i as f32 / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
+        })
+    })
+}
+
+/// Floor as an integer; coordinates beyond ±2⁴⁰ (and NaN) count as 0, so that an absurd uv stays in range.
+fn floor(x: f32) -> i64 {
+    if x.abs() < 1.1e12 { x.floor() as i64 } else { 0 }
+}
+
+/// The texel index in 0..n that `mode` gives index `i`.
+fn wrap(mode: Wrap, i: i64, n: i64) -> usize {
+    let j = match mode {
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::ClampToEdge => i.clamp(0, n - 1),
+        Wrap::MirroredRepeat => {
+            let k = i.rem_euclid(2 * n);
+            if k < n { k } else { 2 * n - 1 - k }
+        }
+    };
+    j as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(texels: &[[u8; 4]], width: u32) -> ImageData {
+        ImageData {
+            name: String::new(),
+            width,
+            height: texels.len() as u32 / width,
+            texels: Texels::Rgba8(texels.into()),
+        }
+    }
+
+    #[test]
+    fn bilinear_passes_through_texel_centres_and_wraps() {
+        let image = image(&[[0, 0, 0, 255], [255, 255, 255, 255]], 2);
+        let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Bilinear };
+        let at = |u: f32| texture.sample(&image, Vec2::new(u, 0.5), Decode::Linear).x;
+        assert_eq!((at(0.25), at(0.75), at(0.5)), (0.0, 1.0, 0.5));
+        assert_eq!((at(0.0), at(1.25)), (0.5, 0.0));
+        let clamped = Texture { wrap_s: Wrap::ClampToEdge, ..texture };
+        assert_eq!(clamped.sample(&image, Vec2::new(-3.0, 0.5), Decode::Linear).x, 0.0);
+    }
+
+    /// IEC 61966-2-1: sRGB 188 is linear 0.5029.
+    #[test]
+    fn srgb_is_decoded_before_filtering() {
+        assert!((srgb_table()[188] - 0.502_886).abs() < 1e-5);
+        let image = image(&[[0, 0, 0, 128], [255, 255, 255, 128]], 2);
+        let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Bilinear };
+        let c = texture.sample(&image, Vec2::new(0.5, 0.5), Decode::Srgb);
+        assert!((c.x - 0.5).abs() < 1e-6 && (c.w - 128.0 / 255.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn wrap_modes() {
+        let all = |mode| (-3..5).map(|i| wrap(mode, i, 2)).collect::<Vec<_>>();
+        assert_eq!(all(Wrap::Repeat), [1, 0, 1, 0, 1, 0, 1, 0]);
+        assert_eq!(all(Wrap::MirroredRepeat), [1, 1, 0, 0, 1, 1, 0, 0]);
+        assert_eq!(all(Wrap::ClampToEdge), [0, 0, 0, 0, 1, 1, 1, 1]);
+    }
+
+    /// KHR_texture_transform's example: a quarter turn maps +u to −v in the image's y-down frame.
+    #[test]
+    fn uv_transform_scales_then_rotates_then_translates() {
+        let t = UvTransform::new(Vec2::new(0.5, 0.25), std::f32::consts::FRAC_PI_2, Vec2::new(2.0, 3.0));
+        let p = t.apply(Vec2::new(1.0, 0.0));
+        assert!((p - Vec2::new(0.5, 0.25 - 2.0)).length() < 1e-6, "{p}");
+    }
+}
