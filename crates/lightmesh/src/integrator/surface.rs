@@ -108,16 +108,18 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     }
 }
 
-/// The colour that a shadow ray keeps where it crosses a surface.
+/// The colour that a shadow ray keeps where it crosses a surface that is not solid.
 pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 {
-    if scene.is_solid(material_of(scene, hit)) {
-        return Vec3::ZERO;
-    }
     let place = locate(scene, ray, hit);
     let base = base_color(scene, &scene.data().materials[place.material], &place).truncate();
     let surface = evaluate_at(scene, ray, &place);
     let passed = (1.0 - surface.coverage) * Vec3::ONE.lerp(base, surface.coverage);
     passed + surface.coverage * surface.refraction
+}
+
+/// Whether the surface that was hit stops every shadow ray.
+pub(crate) fn is_solid(scene: &Scene, hit: &Hit) -> bool {
+    scene.is_solid(material_of(scene, hit))
 }
 
 /// Index of the hit surface's material.

@@ -36,7 +36,7 @@ impl Lattice {
         let bricks = (cells / 8.0).ceil();
         let bytes = bricks.element_product() * Bricks::BYTES_PER_TABLE_ENTRY as f64;
         // f32 positions keep at least a hundredth of a cell only while the lattice has fewer than 2¹⁷ cells a side.
-        if !(bytes <= max_memory as f64) || cells.max_element() > f64::from(1 << 17) {
+        if bytes.is_nan() || bytes > max_memory as f64 || cells.max_element() > f64::from(1 << 17) {
             return Err(too_fine(bytes as u64));
         }
         Ok(Self {

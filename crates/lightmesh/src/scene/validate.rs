@@ -62,10 +62,8 @@ fn check_material(index: usize, m: &Material, textures: usize) -> Result<(), Err
             return invalid(place(), what);
         }
     }
-    let unit = [m.alpha, m.metallic, m.roughness, m.specular, m.transmission];
-    if !unit.iter().all(|x| (0.0..=1.0).contains(x))
-        || !(m.base_color.min_element() >= 0.0 && m.base_color.max_element() <= 1.0)
-    {
+    let factors = [m.alpha, m.metallic, m.roughness, m.specular, m.transmission];
+    if !factors.iter().chain(&m.base_color.to_array()).all(|x| (0.0..=1.0).contains(x)) {
         return invalid(place(), "a factor is outside [0, 1]");
     }
     let positive = |v: Vec3| v.is_finite() && v.min_element() >= 0.0;
@@ -155,14 +153,17 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
         Light::Spot { position, direction, range, .. } => (position, direction, range),
         Light::Directional { direction, .. } => (Vec3::ZERO, direction, None),
     };
-    if !position.is_finite() || !((direction.length() - 1.0).abs() < 1e-3) {
+    let unit = (direction.length() - 1.0).abs() < 1e-3;
+    if !position.is_finite() || !unit {
         return invalid(place(), "its position is not finite or its direction is not of unit length");
     }
-    if range.is_some_and(|r| !(r > 0.0)) {
+    if range.is_some_and(|r| r.is_nan() || r <= 0.0) {
         return invalid(place(), "its range must be above 0");
     }
     if let Light::Spot { inner_cone_angle, outer_cone_angle, .. } = *light
-        && !(inner_cone_angle >= 0.0 && inner_cone_angle < outer_cone_angle && outer_cone_angle <= 1.5708)
+        && !(inner_cone_angle >= 0.0
+            && inner_cone_angle < outer_cone_angle
+            && outer_cone_angle <= std::f32::consts::FRAC_PI_2 + 1e-4)
     {
         let what =
             format!("cone angles {inner_cone_angle} and {outer_cone_angle} must satisfy 0 ≤ inner < outer ≤ π/2");

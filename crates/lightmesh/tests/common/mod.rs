@@ -8,7 +8,7 @@ use lightmesh::{
 };
 
 /// Two triangles `a b c d`, counter-clockwise from the front.
-pub fn quad(corners: [Vec3; 4], material: usize) -> TriangleMesh {
+pub(crate) fn quad(corners: [Vec3; 4], material: usize) -> TriangleMesh {
     TriangleMesh {
         positions: corners.to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -18,7 +18,7 @@ pub fn quad(corners: [Vec3; 4], material: usize) -> TriangleMesh {
 }
 
 /// An axis-aligned box with outward faces.
-pub fn cuboid(min: Vec3, max: Vec3, material: usize) -> TriangleMesh {
+pub(crate) fn cuboid(min: Vec3, max: Vec3, material: usize) -> TriangleMesh {
     let corner = |i: usize| {
         let pick = |bit: usize, lo: f32, hi: f32| if i & bit == 0 { lo } else { hi };
         Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
@@ -33,22 +33,22 @@ pub fn cuboid(min: Vec3, max: Vec3, material: usize) -> TriangleMesh {
 }
 
 /// The same surface, facing the other way.
-pub fn inside_out(mut mesh: TriangleMesh) -> TriangleMesh {
+pub(crate) fn inside_out(mut mesh: TriangleMesh) -> TriangleMesh {
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     mesh
 }
 
-pub fn place(data: &mut SceneData, mesh: TriangleMesh) {
+pub(crate) fn place(data: &mut SceneData, mesh: TriangleMesh) {
     data.instances.push(Instance { mesh: data.meshes.len(), world_from_object: Affine3A::IDENTITY });
     data.meshes.push(mesh);
 }
 
-pub fn point_light(position: Vec3, intensity_cd: Vec3) -> Light {
+pub(crate) fn point_light(position: Vec3, intensity_cd: Vec3) -> Light {
     Light::Point { position, intensity_cd, range: None }
 }
 
 /// A 20 × 20 m Lambertian floor at y = 0.
-pub fn floor(albedo: Vec3) -> SceneData {
+pub(crate) fn floor(albedo: Vec3) -> SceneData {
     let mut data = SceneData { materials: vec![Material::lambert(albedo)], ..SceneData::default() };
     let c = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     place(&mut data, quad([c(-10.0, 10.0), c(10.0, 10.0), c(10.0, -10.0), c(-10.0, -10.0)], 0));
@@ -56,7 +56,7 @@ pub fn floor(albedo: Vec3) -> SceneData {
 }
 
 /// A closed room of 4 × 3 × 4 m with a box in it and three coloured lights.
-pub fn room() -> SceneData {
+pub(crate) fn room() -> SceneData {
     let mut data = SceneData {
         materials: vec![Material::lambert(Vec3::splat(0.7)), Material::lambert(Vec3::new(0.6, 0.3, 0.2))],
         lights: vec![
@@ -71,17 +71,17 @@ pub fn room() -> SceneData {
     data
 }
 
-pub fn room_camera() -> Camera {
+pub(crate) fn room_camera() -> Camera {
     Camera::look_at(Vec3::new(0.3, 1.7, 1.95), Vec3::new(0.0, 0.9, -0.5), 1.2)
 }
 
 /// A picture of 64 × 48 pixels, one sample each, direct light only.
-pub fn options(method: Method) -> RenderOptions {
+pub(crate) fn options(method: Method) -> RenderOptions {
     let spacing = Spacing::Metres(0.2);
     RenderOptions { method, width: 64, height: 48, spp: 1, bounces: 0, spacing, ..RenderOptions::default() }
 }
 
-pub fn shoot(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Frame {
+pub(crate) fn shoot(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Frame {
     let mut mesh = LightMesh::new(scene, options).expect("mesh");
     render(scene, camera, options, &mut mesh, &()).expect("frame")
 }
