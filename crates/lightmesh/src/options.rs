@@ -61,7 +61,7 @@ pub enum Falloff {
 /// How Ĩ of the paper's method is scaled (DESIGN: (2) × (3) is an energy squared).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PaperScale {
-    /// Divide each mesh point's sum (1) by the same sum without V_i: Ĩ is a mean visibility in [0, 1].
+    /// Divide sum (1) by the same sum without V_i, both over the neighbourhood: Ĩ is a mean visibility in [0, 1].
     #[default]
     Visibility,
     /// Formulas as printed, times one constant for the whole scene: one over the mean of Σ E_i / φ1, without V_i, over a

@@ -82,7 +82,7 @@ fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle:
     } else {
         let object =
             mesh.normals[corners[0]] * b[0] + mesh.normals[corners[1]] * b[1] + mesh.normals[corners[2]] * b[2];
-        facing((frame.normal_from_object * object * frame.handedness).normalize_or(ng), ng)
+        facing((frame.normal_from_object * object * frame.handedness).normalize_or(ng), -ray.direction)
     };
     let color = if mesh.colors.is_empty() {
         Vec4::ONE

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::place::{Place, facing, locate};
+use super::place::{Place, locate};
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Ray, offset_origin};
@@ -62,7 +62,7 @@ pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
 /// Evaluates the material at a place; the model is the one of the [module](super).
 fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     let material = &scene.data().materials[place.material];
-    let n = facing(bumped_normal(scene, material, place), place.ng);
+    let n = bumped_normal(scene, material, place);
     let base = base_color(scene, material, place);
     let coverage = coverage(material, base.w);
     let base = base.truncate();

@@ -1,4 +1,4 @@
-//! The value of one mesh point: formula (1), per channel, as six-axis ratios or as the paper's scalar.
+//! The value of one mesh point: formula (1), per channel, along six axes or as the paper's scalar.
 
 use glam::{Vec3, Vec4};
 
@@ -13,6 +13,7 @@ use crate::{Falloff, PaperScale};
 pub(super) struct Evaluator<'a> {
     scene: &'a Scene,
     field: Field,
+    constant: f32,
     stats: FillStats,
     directions: Directions,
     lanes: Vec<u32>,
@@ -33,10 +34,11 @@ const PROBES: [Vec3; 6] = [
 ];
 
 impl<'a> Evaluator<'a> {
-    pub(super) fn new(scene: &'a Scene, field: Field) -> Self {
+    pub(super) fn new(scene: &'a Scene, field: Field, constant: f32) -> Self {
         Self {
             scene,
             field,
+            constant,
             stats: FillStats::default(),
             directions: Directions::default(),
             lanes: Vec::new(),
@@ -51,8 +53,9 @@ impl<'a> Evaluator<'a> {
         self.stats
     }
 
-    /// The values of the point at `x` (as many as [`Field::stride`] count), or `None` if it is inside a solid.
-    pub(super) fn evaluate(&mut self, x: Vec3) -> Option<[Vec4; 6]> {
+    /// The values of the point at `x`, visible and unshadowed light by turns (as many as [`Field::stride`] counts), or
+    /// `None` if it is inside a solid.
+    pub(super) fn evaluate(&mut self, x: Vec3) -> Option<[Vec4; 12]> {
         match self.field {
             Field::SixAxis { falloff } => {
                 if self.is_inside(x) {
@@ -64,8 +67,9 @@ impl<'a> Evaluator<'a> {
             // The paper's mesh knows no geometry: every point counts.
             Field::Scalar { falloff, scale } => {
                 self.shoot(x, falloff);
-                let value = self.scalar(scale);
-                Some([value, Vec4::ZERO, Vec4::ZERO, Vec4::ZERO, Vec4::ZERO, Vec4::ZERO])
+                let mut values = [Vec4::ZERO; 12];
+                values[..2].copy_from_slice(&self.scalar(scale));
+                Some(values)
             }
         }
     }
@@ -80,7 +84,7 @@ impl<'a> Evaluator<'a> {
             }
         }
         self.stats.probe_rays += PROBES.len() as u64;
-        back > front && back >= PROBES.len() / 2
+        back > front && (front == 0 || back >= PROBES.len() / 2)
     }
 
     /// V_i for every light that reaches `x` at all.
@@ -99,30 +103,25 @@ impl<'a> Evaluator<'a> {
         self.stats.shadow_rays += self.rays.len() as u64;
     }
 
-    /// For each of ±x ±y ±z: Σ V_i E_i cos / φ over the same sum without V_i.
-    fn six_axis(&self) -> [Vec4; 6] {
-        let (mut visible, mut all) = ([Vec3::ZERO; 6], [Vec3::ZERO; 6]);
-        let (mut visible_sum, mut all_sum) = (Vec3::ZERO, Vec3::ZERO);
+    /// For each of ±x ±y ±z: Σ V_i E_i cos / φ, and the same sum without V_i.
+    fn six_axis(&self) -> [Vec4; 12] {
+        let mut values = [Vec4::ZERO; 12];
         let d = &self.directions;
         for (&lane, &v) in self.lanes.iter().zip(&self.visible) {
             let lane = lane as usize;
-            let intensity = self.scene.lights().intensity(lane) * d.f[lane];
+            let intensity = (self.scene.lights().intensity(lane) * d.f[lane]).extend(0.0);
             for (axis, component) in [d.dx[lane], d.dy[lane], d.dz[lane]].into_iter().enumerate() {
                 let side = 2 * axis + usize::from(component < 0.0);
                 let e = intensity * component.abs();
-                all[side] += e;
-                visible[side] += e * v;
-                all_sum += e;
-                visible_sum += e * v;
+                values[2 * side] += e * v.extend(0.0);
+                values[2 * side + 1] += e;
             }
         }
-        // A side that no light faces takes the mean of the others: its normal sees those lights at a slant.
-        let mean = ratio(visible_sum, all_sum, Vec3::ONE);
-        std::array::from_fn(|side| ratio(visible[side], all[side], mean).extend(0.0))
+        values
     }
 
-    /// DirectLight(x), formula (1): Σ V_i E_i / φ1.
-    fn scalar(&self, scale: PaperScale) -> Vec4 {
+    /// DirectLight(x), formula (1): Σ V_i E_i / φ1, and what it is scaled by.
+    fn scalar(&self, scale: PaperScale) -> [Vec4; 2] {
         let (mut visible, mut all) = (Vec3::ZERO, Vec3::ZERO);
         let d = &self.directions;
         for (&lane, &v) in self.lanes.iter().zip(&self.visible) {
@@ -132,16 +131,19 @@ impl<'a> Evaluator<'a> {
             all += e;
             visible += e * v;
         }
-        match scale {
-            PaperScale::Visibility => ratio(visible, all, Vec3::ONE).extend(0.0),
-            PaperScale::Constant => visible.extend(0.0),
-        }
+        let scaled_by = match scale {
+            PaperScale::Visibility => all,
+            PaperScale::Constant => Vec3::splat(self.constant),
+        };
+        [visible.extend(0.0), scaled_by.extend(0.0)]
     }
 }
 
-/// The normalising constant of [`PaperScale::Constant`]; 1 without lights.
-pub(super) fn papers_constant(scene: &Scene, falloff: Falloff) -> f32 {
+/// The constant of [`PaperScale::Constant`]: the mean of Σ E_i / φ1, without V_i, over the channels and a grid of 8³ places
+/// in the scene's box. 1 where it is not needed.
+pub(super) fn papers_constant(scene: &Scene, field: Field) -> f32 {
     const SIDE: u32 = 8;
+    let Field::Scalar { falloff, scale: PaperScale::Constant } = field else { return 1.0 };
     let (bounds, lights) = (scene.bounds(), scene.lights());
     let (mut d, mut sum) = (Directions::default(), 0.0_f64);
     for i in 0..SIDE.pow(3) {
@@ -152,10 +154,5 @@ pub(super) fn papers_constant(scene: &Scene, falloff: Falloff) -> f32 {
             sum += f64::from(lights.intensity(lane).element_sum() / 3.0 * d.f[lane] * r);
         }
     }
-    if sum > 0.0 { (f64::from(SIDE.pow(3)) / sum) as f32 } else { 1.0 }
-}
-
-/// Componentwise a / b, and `otherwise` where b is 0.
-fn ratio(a: Vec3, b: Vec3, otherwise: Vec3) -> Vec3 {
-    Vec3::select(b.cmpgt(Vec3::ZERO), a / b.max(Vec3::splat(f32::MIN_POSITIVE)), otherwise)
+    if sum > 0.0 { (sum / f64::from(SIDE.pow(3))) as f32 } else { 1.0 }
 }

@@ -22,15 +22,18 @@ use lattice::Lattice;
 pub(crate) use marks::Marks;
 use neighbourhood::Neighbourhood;
 
-/// What one mesh point keeps per channel.
+/// What one mesh point keeps: per channel and axis a pair, light that arrives and light that would arrive if nothing were
+/// in the way. Readers sum both over their neighbourhood and divide last, so that a point close to a lamp, which knows most
+/// of the light, weighs most. (Dividing at each point instead costs half the memory; measured on the room of 15 / 100 lights at 1/80 of its
+/// length: error 6.0 / 3.5% instead of 5.0 / 2.9%.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Field {
-    /// Visible over unshadowed irradiance for each of ±x, ±y, ±z (an ambient cube).
+    /// A pair for each of ±x, ±y, ±z (an ambient cube).
     SixAxis {
         /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
         falloff: Falloff,
     },
-    /// One value: DirectLight(x) of formula (1).
+    /// One pair: DirectLight(x) of formula (1), and what it is scaled by.
     Scalar {
         /// φ1.
         falloff: Falloff,
@@ -50,8 +53,8 @@ impl Field {
     /// Values per point.
     fn stride(self) -> usize {
         match self {
-            Self::SixAxis { .. } => 6,
-            Self::Scalar { .. } => 1,
+            Self::SixAxis { .. } => 12,
+            Self::Scalar { .. } => 2,
         }
     }
 }
@@ -65,8 +68,8 @@ pub struct LightMesh {
     neighbourhood: Neighbourhood,
     bricks: Bricks,
     values: Vec<Vec4>,
-    /// What an interpolated value is multiplied by.
-    scale: f32,
+    /// The mean unshadowed field, for [`PaperScale::Constant`].
+    constant: f32,
     invalid: u64,
     max_memory: u64,
 }
@@ -99,17 +102,14 @@ impl LightMesh {
         let lattice = Lattice::new(&bounds, spacing, neighbourhood.reach(), options.max_memory)?;
         let bricks = Bricks::new(lattice.bricks());
         let field = Field::of(options);
-        let scale = match field {
-            Field::Scalar { falloff, scale: PaperScale::Constant } => evaluate::papers_constant(scene, falloff),
-            _ => 1.0,
-        };
+        let constant = evaluate::papers_constant(scene, field);
         Ok(Self {
             lattice,
             field,
             neighbourhood,
             bricks,
             values: Vec::new(),
-            scale,
+            constant,
             invalid: 0,
             max_memory: options.max_memory,
         })
@@ -164,11 +164,11 @@ impl LightMesh {
         self.check_memory(wanted.len() as u64, new_bricks)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
-        let (lattice, field) = (&self.lattice, self.field);
+        let (lattice, field, constant) = (&self.lattice, self.field, self.constant);
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
             .map(|chunk| {
-                let mut evaluator = Evaluator::new(scene, field);
+                let mut evaluator = Evaluator::new(scene, field, constant);
                 let points: Vec<_> = chunk
                     .iter()
                     .map(|&(brick, local)| evaluator.evaluate(lattice.point(lattice.coordinate(brick, local))))
@@ -218,29 +218,32 @@ impl LightMesh {
         Ok(())
     }
 
-    /// Ĩ(y), formula (3g): for [`Method::Mesh`] the fraction of the unshadowed irradiance that arrives at the vertex, per
-    /// channel; `None` if no point of its neighbourhood can be used.
+    /// Ĩ(y), formula (3g): the fraction of the unshadowed irradiance that arrives at the vertex, per channel; `None` if no
+    /// point of its neighbourhood can be used, or none knows of any light.
     #[inline]
     pub(crate) fn visibility(&self, vertex: &Vertex) -> Option<Vec3> {
-        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+        let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
         match self.field {
             Field::SixAxis { .. } => {
                 // The ambient cube: the three axes that the normal faces, weighted by its squared components.
                 let n = vertex.n;
                 let squares = n * n;
-                let axes = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
+                let [x, y, z] = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
                 self.for_each_value(vertex, |values, weight| {
-                    let value = values[axes[0]] * squares.x + values[axes[1]] * squares.y + values[axes[2]] * squares.z;
-                    sum += value * weight;
-                    weights += weight;
+                    let (wx, wy, wz) = (squares.x * weight, squares.y * weight, squares.z * weight);
+                    visible += values[2 * x] * wx + values[2 * y] * wy + values[2 * z] * wz;
+                    all += values[2 * x + 1] * wx + values[2 * y + 1] * wy + values[2 * z + 1] * wz;
                 });
             }
             Field::Scalar { .. } => self.for_each_value(vertex, |values, weight| {
-                sum += values[0] * weight;
-                weights += weight;
+                visible += values[0] * weight;
+                all += values[1] * weight;
             }),
         }
-        (weights > 0.0).then(|| sum.truncate() * (self.scale / weights))
+        let (visible, all) = (visible.truncate(), all.truncate());
+        let sum = all.element_sum();
+        // A channel without light takes what the others say.
+        (sum > 0.0).then(|| ratio(visible, all, Vec3::splat(visible.element_sum() / sum)))
     }
 
     #[inline(always)]
@@ -256,6 +259,11 @@ impl LightMesh {
             slot
         });
     }
+}
+
+/// Componentwise a / b, and `otherwise` where b is 0.
+fn ratio(a: Vec3, b: Vec3, otherwise: Vec3) -> Vec3 {
+    Vec3::select(b.cmpgt(Vec3::ZERO), a / b.max(Vec3::splat(f32::MIN_POSITIVE)), otherwise)
 }
 
 /// A lattice coordinate: every component below 2²⁹.

@@ -10,7 +10,8 @@ use crate::integrator::Vertex;
 use crate::{Interpolation, Method};
 
 /// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
-/// reads mostly points in front of it.
+/// reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length, error against exact
+/// shadow rays: offset 0.25: 5.13 / 3.20%, 0.5: 5.04 / 2.95%, 0.75: 5.26 / 2.89% with 1.6 times as many points.
 const NORMAL_OFFSET: f32 = 0.5;
 
 /// Corners with less weight are not read: the rest is renormalised, so the step is at most this part of the differences
