@@ -45,8 +45,10 @@ pub(super) fn primitives(
                 context.get(&document.materials, "material", material, at)?;
             }
             triangles.material = materials.number(primitive.material);
-            triangles.name = name.unwrap_or_default().to_owned();
-            context.spend(at, (triangles.name.len() + size_of::<TriangleMesh>()) as u64, 1)?;
+            // Every primitive has its own copy of the mesh's name, which may be long.
+            let name = name.unwrap_or_default();
+            context.spend(at, (name.len() + size_of::<TriangleMesh>()) as u64, 1)?;
+            triangles.name = name.to_owned();
             meshes.push(triangles);
         }
     }

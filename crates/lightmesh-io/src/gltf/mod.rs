@@ -94,6 +94,7 @@ pub(crate) fn read(
     for &material in &materials.order {
         data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
     }
+    warn_of_missing_uvs(&mut context, &data);
     (data.textures, data.images) = image::decode(&mut context, &document, &buffers, textures)?;
 
     if !document.animations.is_empty() {
@@ -142,7 +143,7 @@ fn place_meshes(
             continue;
         }
         let meshes = loaded[index].clone();
-        context.spend(&node_place, meshes.len() as u64, size_of::<Instance>() as u64)?;
+        context.spend(node_place, meshes.len() as u64, size_of::<Instance>() as u64)?;
         for mesh in meshes {
             let world = bounds[mesh].transformed(world_from_node);
             if !(world.min.is_finite() && world.max.is_finite()) {
@@ -153,4 +154,24 @@ fn place_meshes(
         }
     }
     Ok(())
+}
+
+/// Warns about textured materials on meshes without the texture coordinates: they show one texel everywhere.
+fn warn_of_missing_uvs(context: &mut Context<'_>, data: &SceneData) {
+    for mesh in &data.meshes {
+        let material = &data.materials[mesh.material];
+        let references = [
+            &material.base_color_texture,
+            &material.metallic_roughness_texture,
+            &material.emission_texture,
+            &material.normal_texture,
+            &material.specular_texture,
+            &material.specular_color_texture,
+            &material.transmission_texture,
+        ];
+        if references.into_iter().flatten().any(|reference| mesh.uvs[reference.uv_set].is_empty()) {
+            let message = "its material has a texture, but the mesh has no texture coordinates for it";
+            context.warnings.add(format_args!("mesh {:?}", mesh.name), message);
+        }
+    }
 }
