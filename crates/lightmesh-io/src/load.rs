@@ -30,8 +30,8 @@ pub struct LoadOptions {
     pub allow_outside: bool,
     /// Name or index of the scene in a file that has several; `None`: the file's default, else its first.
     pub scene: Option<String>,
-    /// Bytes that may be spent on files, decoded geometry and images together; default 4 GiB. Parsed JSON comes on top, in
-    /// proportion to the text's length.
+    /// Bytes that may be spent on files, parsed text, decoded geometry and images together; default 4 GiB. What might be
+    /// needed is counted before it is allocated, and nothing is counted back, so somewhat less is in use at any time.
     pub max_memory: u64,
 }
 

@@ -198,13 +198,16 @@ fn counts_are_checked_before_allocation() {
 }
 
 #[test]
-fn the_same_small_primitive_many_times_meets_the_limit() {
-    let mut gltf = Gltf::triangle();
-    let primitive = gltf.primitive().clone();
-    gltf.json["meshes"][0]["primitives"] = json!(vec![primitive; 1_000]);
-    assert_eq!(gltf.load().unwrap().data.meshes.len(), 1_000);
-    let options = LoadOptions { max_memory: 100_000, ..LoadOptions::default() };
-    assert_says(&gltf.load_with(&options).unwrap_err().to_string(), &["limit of 100000", "--max-memory"]);
+fn one_array_read_many_times_meets_the_limit() {
+    let mut gltf = Gltf::new();
+    let position = gltf.floats("VEC3", &TRIANGLE.repeat(1_000));
+    let primitive = json!({"attributes": {"POSITION": position}});
+    gltf.push("meshes", json!({"primitives": vec![primitive; 50]}));
+    gltf.node(json!({"mesh": 0}));
+    assert_eq!(gltf.load().unwrap().data.meshes.len(), 50);
+    let options = LoadOptions { max_memory: 1_000_000, ..LoadOptions::default() };
+    let message = gltf.load_with(&options).unwrap_err().to_string();
+    assert_says(&message, &["mesh 0, primitive", "limit of 1000000", "--max-memory"]);
 }
 
 #[test]

@@ -8,6 +8,7 @@ use lightmesh::Light;
 use super::context::{Context, Place, place};
 use super::json::{self, Document};
 use super::node::Placed;
+use super::normals::unit;
 use crate::Units;
 use crate::error::Error;
 
@@ -61,7 +62,7 @@ fn light(
 
     // A light shines along its node's −Z; scale does not change it.
     let position = Vec3::from(placed.world_from_node.translation);
-    let direction = Vec3::from(-placed.world_from_node.matrix3.z_axis).try_normalize();
+    let direction = unit(Vec3::from(-placed.world_from_node.matrix3.z_axis));
     Ok(match (light.kind, direction) {
         (json::LightKind::Point, _) => Some(Light::Point { position, intensity_cd: strength, range }),
         (_, None) => {

@@ -120,12 +120,13 @@ fn read_primitive(
     if let Some(normal) = attributes.normal {
         let accessor = reader.open(context, "NORMAL", normal, &[3], count)?;
         mesh.normals = vertices.collect(context, at, &accessor, Vec3::from_array)?;
-        let mended = normals::mend(&mut mesh.normals, &mesh.positions, &mesh.triangles);
-        context.warnings.add_many(
-            at,
-            "a normal is zero or not finite: replaced by that of the triangles around it",
-            mended,
-        );
+        let broken = normals::normalize(&mut mesh.normals);
+        if broken > 0 {
+            let message = "a normal is zero or not finite: replaced by that of the triangles around it";
+            context.warnings.add_many(at, message, broken as u64);
+            context.spend(at, broken as u64, normals::REPLACEMENT_BYTES)?;
+            normals::replace_zeros(&mut mesh.normals, broken, &mesh.positions, &mesh.triangles);
+        }
     }
     if let Some(tangent) = attributes.tangent {
         let accessor = reader.open(context, "TANGENT", tangent, &[4], count)?;
@@ -179,7 +180,7 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
 
 /// Unit direction and handedness ±1.
 fn unit_tangent([x, y, z, w]: [f32; 4]) -> Option<Vec4> {
-    let direction = Vec3::new(x, y, z).try_normalize()?;
+    let direction = normals::unit(Vec3::new(x, y, z))?;
     Some(direction.extend(if w < 0.0 { -1.0 } else { 1.0 }))
 }
 

@@ -23,7 +23,7 @@ mod uri;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use lightmesh::{Instance, SceneData};
+use lightmesh::{Instance, Material, SceneData};
 
 use self::buffer::Buffers;
 use self::context::{Context, place};
@@ -56,8 +56,9 @@ pub(crate) fn read(
     budget: Budget,
 ) -> Result<Loaded, Error> {
     let container = container::split(file, bytes)?;
-    let document = json::parse(file, container.json)?;
     let mut context = Context::new(file, folder, options, budget);
+    context.spend("JSON", json::parsed_bytes(container.json), 1)?;
+    let document = json::parse(file, container.json)?;
     extensions::check(&mut context, &document)?;
 
     // Nodes: which meshes, lights and cameras the chosen scene has, and where.
@@ -91,6 +92,8 @@ pub(crate) fn read(
 
     // Materials of those meshes, the textures of those materials, the images of those textures.
     let mut textures = Textures::default();
+    context.spend("materials", materials.order.len() as u64, size_of::<Material>() as u64)?;
+    data.materials.reserve_exact(materials.order.len());
     for &material in &materials.order {
         data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
     }
@@ -135,6 +138,9 @@ fn place_meshes(
     data: &mut SceneData,
 ) -> Result<(), Error> {
     let bounds: Vec<_> = data.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    let instances: usize = placed.iter().map(|placed| loaded[&placed.index].len()).sum();
+    context.spend("instances of meshes", instances as u64, size_of::<Instance>() as u64)?;
+    data.instances.reserve_exact(instances);
     for node::Placed { node, index, world_from_node } in placed {
         let node_place = place("node", *node, document.nodes[*node].name.as_deref());
         // A determinant that underflows has no inverse in f32, and a surface that is scaled to nothing cannot be seen.
@@ -142,9 +148,7 @@ fn place_meshes(
             context.warnings.add(node_place, "its scale is zero in some direction: its mesh is left out");
             continue;
         }
-        let meshes = loaded[index].clone();
-        context.spend(node_place, meshes.len() as u64, size_of::<Instance>() as u64)?;
-        for mesh in meshes {
+        for mesh in loaded[index].clone() {
             let world = bounds[mesh].transformed(world_from_node);
             if !(world.min.is_finite() && world.max.is_finite()) {
                 return Err(context
