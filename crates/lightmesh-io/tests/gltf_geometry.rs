@@ -90,7 +90,8 @@ fn points_and_lines_are_skipped_with_a_warning() {
     assert_says(&gltf.refusal(), &["mode 7"]);
 }
 
-/// KHR_mesh_quantization and the normalisation formulas of glTF 2.0: f = c / 127, c / 255, c / 32767, c / 65535, not under −1.
+/// KHR_mesh_quantization and the normalisation formulas of glTF 2.0: f = c / 127, c / 255, c / 32767, c / 65535, not
+/// under −1.
 #[test]
 fn positions_of_every_type() {
     let cases: [(u32, bool, Vec<u8>, f32); 9] = [

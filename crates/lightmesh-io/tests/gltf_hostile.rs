@@ -1,7 +1,7 @@
 //! Damaged and hostile files: an error or a scene, never a panic, never more memory than allowed.
 //!
-//! A program of its own, because it counts every allocation. Its one test runs its properties one after the other, so that the
-//! count is theirs alone.
+//! A program of its own, because it counts every allocation. Its one test runs its properties one after the other, so
+//! that the count is theirs alone.
 
 mod common;
 

@@ -59,7 +59,9 @@ fn defaults_are_those_of_gltf() {
 fn every_factor_is_read() {
     let material = material(json!({
         "name": "all",
-        "pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5, "roughnessFactor": 0.6},
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5, "roughnessFactor": 0.6,
+        },
         "emissiveFactor": [1.0, 0.5, 0.25],
         "alphaMode": "MASK",
         "alphaCutoff": 0.7,

@@ -8,7 +8,7 @@ use lightmesh::geometry::TriangleMesh;
 use super::accessor::{Accessor, Component};
 use super::buffer::Buffers;
 use super::context::{Context, Place, place};
-use super::json::{Document, Primitive};
+use super::json::Primitive;
 use super::topology::Topology;
 use super::{Used, normals};
 use crate::error::Error;
@@ -26,23 +26,22 @@ impl Display for PrimitivePlace<'_> {
     }
 }
 
-/// The triangle meshes of mesh `index`, one per primitive that has triangles. `materials` numbers the materials they use; `None` is
-/// glTF's default material.
+/// The triangle meshes of mesh `index`, one per primitive that has triangles. `materials` numbers the materials they
+/// use; `None` is glTF's default material.
 pub(super) fn primitives(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &Buffers<'_>,
     index: usize,
     materials: &mut Used<Option<usize>>,
 ) -> Result<Vec<TriangleMesh>, Error> {
-    let mesh = context.get(&document.meshes, "mesh", index, "nodes")?;
+    let mesh = context.get(&buffers.document.meshes, "mesh", index, "nodes")?;
     let name = mesh.name.as_deref();
     let mut meshes = Vec::new();
     for (i, primitive) in mesh.primitives.iter().enumerate() {
         let at = PrimitivePlace { mesh: place("mesh", index, name), primitive: i };
-        if let Some(mut triangles) = read_primitive(context, document, buffers, primitive, at)? {
+        if let Some(mut triangles) = read_primitive(context, buffers, primitive, at)? {
             if let Some(material) = primitive.material {
-                context.get(&document.materials, "material", material, at)?;
+                context.get(&buffers.document.materials, "material", material, at)?;
             }
             triangles.material = materials.number(primitive.material);
             // Every primitive has its own copy of the mesh's name, which may be long.
@@ -58,7 +57,6 @@ pub(super) fn primitives(
 /// One primitive without its name and material; `None` where it has nothing to show.
 fn read_primitive(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &Buffers<'_>,
     primitive: &Primitive,
     at: PrimitivePlace<'_>,
@@ -87,7 +85,7 @@ fn read_primitive(
     }
 
     // Triangles, their indices checked against the number of vertices.
-    let reader = AttributeReader { document, buffers, at };
+    let reader = AttributeReader { buffers, at };
     let positions = reader.open(context, "POSITION", position, &[3], None)?;
     let vertex_count = positions.count;
     let indices = reader.indices(context, primitive.indices, vertex_count)?;
@@ -186,7 +184,6 @@ fn unit_tangent([x, y, z, w]: [f32; 4]) -> Option<Vec4> {
 
 /// Opens the accessors of one primitive.
 struct AttributeReader<'a> {
-    document: &'a Document,
     buffers: &'a Buffers<'a>,
     at: PrimitivePlace<'a>,
 }
@@ -202,7 +199,7 @@ impl<'a> AttributeReader<'a> {
         count: Option<usize>,
     ) -> Result<Accessor<'a>, Error> {
         let referrer = format!("{}, {name}", self.at);
-        let accessor = Accessor::open(context, self.document, self.buffers, index, &referrer)?;
+        let accessor = Accessor::open(context, self.buffers, index, &referrer)?;
         if !components.contains(&accessor.components) {
             let what = format!(
                 "accessor {index} has {} components per element, which {name} cannot have",

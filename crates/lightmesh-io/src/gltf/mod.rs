@@ -1,7 +1,7 @@
 //! glTF 2.0, text and binary.
 //!
-//! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers, meshes,
-//! materials, textures, images. What the scene does not use is neither decoded nor checked.
+//! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers,
+//! meshes, materials, textures, images. What the scene does not use is neither decoded nor checked.
 
 mod accessor;
 mod buffer;
@@ -33,8 +33,8 @@ use crate::budget::Budget;
 use crate::error::{Error, one_line};
 use crate::{LoadOptions, Loaded};
 
-/// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has them is
-/// refused where it is `None`.
+/// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has
+/// them is refused where it is `None`.
 ///
 /// # Errors
 /// As [`load`](crate::load).
@@ -75,7 +75,7 @@ pub(crate) fn read(
     let mut loaded = BTreeMap::new();
     for &mesh in visit.meshes.iter().map(|placed| &placed.index) {
         if let std::collections::btree_map::Entry::Vacant(entry) = loaded.entry(mesh) {
-            let primitives = mesh::primitives(&mut context, &document, &buffers, mesh, &mut materials)?;
+            let primitives = mesh::primitives(&mut context, &buffers, mesh, &mut materials)?;
             let first = data.meshes.len();
             data.meshes.extend(primitives);
             entry.insert(first..data.meshes.len());
@@ -98,7 +98,7 @@ pub(crate) fn read(
         data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
     }
     warn_of_missing_uvs(&mut context, &data);
-    (data.textures, data.images) = image::decode(&mut context, &document, &buffers, textures)?;
+    (data.textures, data.images) = image::decode(&mut context, &buffers, textures)?;
 
     if !document.animations.is_empty() {
         context.warnings.add("animations", "animations are not read: nodes stay where the file puts them");
@@ -129,7 +129,8 @@ impl<K: Copy + Ord> Used<K> {
     }
 }
 
-/// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not rendered.
+/// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not
+/// rendered.
 fn place_meshes(
     context: &mut Context<'_>,
     document: &Document,

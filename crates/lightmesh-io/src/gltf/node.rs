@@ -38,8 +38,8 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
 
     let mut visit = Visit::default();
     let mut reached = vec![false; nodes.len()];
-    // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse. Nodes
-    // are marked when pushed: then the stack is never longer than the list of nodes.
+    // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse.
+    // Nodes are marked when pushed: then the stack is never longer than the list of nodes.
     let mut stack = Vec::new();
     for &root in roots.iter().rev() {
         mark(context, nodes, &mut reached, root, &from)?;

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-/// The unit vector along `v`; `None` for zero and for what is not finite. In double precision the square of no 32-bit float
-/// underflows, so the shortest vector has a direction.
+/// The unit vector along `v`; `None` for zero and for what is not finite. In double precision the square of no 32-bit
+/// float underflows, so the shortest vector has a direction.
 pub(super) fn unit(v: Vec3) -> Option<Vec3> {
     v.as_dvec3().try_normalize().map(|unit| unit.as_vec3())
 }

@@ -25,13 +25,14 @@ pub enum Units {
 pub struct LoadOptions {
     /// Units of punctual lights; default [`Units::Gltf`].
     pub units: Units,
-    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks are
-    /// never asked.
+    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks
+    /// are never asked.
     pub allow_outside: bool,
     /// Name or index of the scene in a file that has several; `None`: the file's default, else its first.
     pub scene: Option<String>,
-    /// Bytes that may be spent on files, parsed text, decoded geometry and images together; default 4 GiB. What might be
-    /// needed is counted before it is allocated, and nothing is counted back, so somewhat less is in use at any time.
+    /// Bytes that may be spent on files, parsed text, decoded geometry and images together; default 4 GiB. What might
+    /// be needed is counted before it is allocated, and nothing is counted back, so somewhat less is in use at any
+    /// time.
     pub max_memory: u64,
 }
 
@@ -53,11 +54,13 @@ pub struct Loaded {
 /// What [`load`] reads, for messages.
 const READABLE: &str = "glTF 2.0 (.gltf, .glb)";
 
-/// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary glTF.
+/// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary
+/// glTF.
 ///
 /// # Errors
-/// Every variant of [`Error`] that is about reading: the file is missing, cut off, not of its format, contradicts itself, needs
-/// something that we do not read, refers to files outside its folder, or is larger than the options allow.
+/// Every variant of [`Error`] that is about reading: the file is missing, cut off, not of its format, contradicts
+/// itself, needs something that we do not read, refers to files outside its folder, or is larger than the options
+/// allow.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let file = path.display().to_string();
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
