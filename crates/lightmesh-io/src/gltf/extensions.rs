@@ -18,10 +18,9 @@ const READ: [&str; 9] = [
 ];
 
 /// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them.
-const HARMLESS: [&str; 8] = [
+const HARMLESS: [&str; 7] = [
     "EXT_structural_metadata",
     "EXT_mesh_features",
-    "KHR_accessor_float64",
     "KHR_animation_pointer",
     "KHR_materials_variants",
     "KHR_xmp",

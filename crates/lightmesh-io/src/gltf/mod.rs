@@ -4,6 +4,7 @@
 //! meshes, materials, textures, images. What the scene does not use is neither decoded nor checked.
 
 mod accessor;
+mod attribute;
 mod buffer;
 mod camera;
 mod container;

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 pub(crate) use data::{Accessor, Buffer, BufferView, Image, Sampler, Sparse, Texture};
 pub(crate) use material::{AlphaMode, Material, Specular, TextureInfo, Transmission};
-pub(crate) use node::{Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
+pub(crate) use node::{Attributes, Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
 
 use crate::error::{Error, one_line};
 
