@@ -7,8 +7,8 @@ use crate::error::one_line;
 
 /// Counts bytes before they are allocated.
 ///
-/// Nothing is ever given back, not even for buffers that are dropped again: so the limit bounds the work too, and a small
-/// file that asks for the same bytes a million times ends early.
+/// Nothing is ever given back, not even for buffers that are dropped again: so the limit bounds the work too, and a
+/// small file that asks for the same bytes a million times ends early.
 #[derive(Debug)]
 pub(crate) struct Budget {
     limit: u64,

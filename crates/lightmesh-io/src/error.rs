@@ -5,8 +5,8 @@ use std::io;
 
 /// An error of reading or writing a file.
 ///
-/// Each message is one line that names the file, the place in it and what to check. Where another error is the cause, its
-/// text is part of the message, so a chain printer has nothing to add.
+/// Each message is one line that names the file, the place in it and what to check. Where another error is the cause,
+/// its text is part of the message, so a chain printer has nothing to add.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -50,7 +50,8 @@ pub enum Error {
     },
     /// A version of the format that we do not read.
     #[error(
-        "{file}: {place}: version {version} is not read, only {readable}; export the scene again with a current exporter"
+        "{file}: {place}: version {version} is not read, only {readable}; \
+         export the scene again with a current exporter"
     )]
     Version {
         /// The file.
@@ -108,7 +109,8 @@ pub enum Error {
     },
     /// Reading on would need more memory than allowed; it was not allocated.
     #[error(
-        "{file}: {place}: needs {needed_bytes} more bytes, {left_bytes} are left of the limit of {limit_bytes}; check the file or raise --max-memory"
+        "{file}: {place}: needs {needed_bytes} more bytes, {left_bytes} are left of the limit of {limit_bytes}; \
+         check the file or raise --max-memory"
     )]
     OutOfMemory {
         /// The scene file.

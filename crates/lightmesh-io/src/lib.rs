@@ -1,7 +1,8 @@
 //! Scenes in, pictures out: the files around `lightmesh`.
 //!
-//! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in range, every
-//! number is finite, and no file can make the reader panic or take more memory than [`LoadOptions::max_memory`].
+//! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in
+//! range, every number is finite, and no file can make the reader panic or take more memory than
+//! [`LoadOptions::max_memory`].
 //!
 //! ```
 //! # fn main() -> Result<(), lightmesh_io::Error> {
@@ -27,9 +28,9 @@
 mod budget;
 mod error;
 mod gltf;
-mod load;
+mod scene_file;
 mod warnings;
 
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
-pub use load::{LoadOptions, Loaded, Units, load};
+pub use scene_file::{LoadOptions, Loaded, Units, load};

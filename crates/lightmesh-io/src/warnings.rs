@@ -18,7 +18,8 @@ struct Kind {
 }
 
 impl Warnings {
-    /// Notes that `message` holds at `place`. There are few messages and maybe many places: keep places out of messages.
+    /// Notes that `message` holds at `place`. There are few messages and maybe many places: keep places out of
+    /// messages.
     pub(crate) fn add(&mut self, place: impl Display, message: &str) {
         self.add_many(place, message, 1);
     }

@@ -1,4 +1,5 @@
 //! The scenes and the broken files that lie beside the repository, where they do.
+#![allow(clippy::print_stdout, reason = "a skipped test says so; the rest is shown on failure only")]
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

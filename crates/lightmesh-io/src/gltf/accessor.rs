@@ -2,7 +2,7 @@
 
 use super::buffer::Buffers;
 use super::context::{Context, Place, place};
-use super::json::{self, Document};
+use super::json;
 use crate::error::Error;
 
 /// A component type.
@@ -90,12 +90,11 @@ impl<'a> Accessor<'a> {
     /// Checks accessor `index` against its buffer views, in 64-bit arithmetic and before anything is allocated.
     pub(super) fn open(
         context: &mut Context<'_>,
-        document: &Document,
         buffers: &'a Buffers<'_>,
         index: usize,
         referrer: &str,
     ) -> Result<Self, Error> {
-        let accessor = context.get(&document.accessors, "accessor", index, referrer)?;
+        let accessor = context.get(&buffers.document.accessors, "accessor", index, referrer)?;
         let place = place("accessor", index, None);
 
         // Element: what and how large.
@@ -116,21 +115,14 @@ impl<'a> Accessor<'a> {
             return Err(context.invalid(place, what));
         }
         let base = match accessor.buffer_view {
-            Some(view) => Some(strided(
-                context,
-                document,
-                buffers,
-                place,
-                view,
-                accessor.byte_offset,
-                accessor.count,
-                size,
-                Stride::OfView,
-            )?),
+            Some(view) => {
+                let span = Span { view, offset: accessor.byte_offset, count: accessor.count, size };
+                Some(strided(context, buffers, place, span, Stride::OfView)?)
+            }
             None => None,
         };
         let sparse = match &accessor.sparse {
-            Some(sparse) => Some(open_sparse(context, document, buffers, place, accessor.count, sparse, size)?),
+            Some(sparse) => Some(open_sparse(context, buffers, place, accessor.count, sparse, size)?),
             None => None,
         };
         let normalized = accessor.normalized;
@@ -213,20 +205,28 @@ enum Stride {
     Tight,
 }
 
-/// `count` elements of `size` bytes from `offset` in a view: offset + (count − 1) · stride + size must not pass its end.
-#[allow(clippy::too_many_arguments, reason = "a range check has this many numbers")]
+/// Elements as the file describes them, not yet checked.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// The buffer view.
+    view: usize,
+    /// Byte in it at which the first element begins.
+    offset: u64,
+    /// Number of elements.
+    count: u64,
+    /// Bytes of each.
+    size: usize,
+}
+
+/// Checks that the elements lie in their view: offset + (count − 1) · stride + size must not pass its end.
 fn strided<'a>(
     context: &Context<'_>,
-    document: &Document,
     buffers: &'a Buffers<'_>,
     place: Place<'_>,
-    view: usize,
-    offset: u64,
-    count: u64,
-    size: usize,
+    Span { view, offset, count, size }: Span,
     stride: Stride,
 ) -> Result<Strided<'a>, Error> {
-    let (bytes, view_stride) = buffers.view(context, document, view, place)?;
+    let (bytes, view_stride) = buffers.view(context, view, place)?;
     let size = size as u64;
     let stride = match view_stride {
         Some(bytes) if bytes > 0 && stride == Stride::OfView => bytes,
@@ -244,7 +244,8 @@ fn strided<'a>(
         Some(end) => Ok(Strided { bytes: &bytes[offset as usize..end as usize], stride: stride as usize }),
         None => {
             let what = format!(
-                "{count} elements of {size} bytes from byte {offset} do not fit into bufferView {view} of {} bytes; the file is damaged",
+                "{count} elements of {size} bytes from byte {offset} do not fit into bufferView {view} \
+                 of {} bytes; the file is damaged",
                 bytes.len()
             );
             Err(context.invalid(place, what))
@@ -255,7 +256,6 @@ fn strided<'a>(
 /// Checks the replacements: indices increase strictly and stay under `count`.
 fn open_sparse<'a>(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &'a Buffers<'_>,
     place: Place<'_>,
     count: u64,
@@ -270,10 +270,12 @@ fn open_sparse<'a>(
         }
     };
     let width = component.bytes();
-    let (at, n) = (&sparse.indices, sparse.count);
-    let raw = strided(context, document, buffers, place, at.buffer_view, at.byte_offset, n, width, Stride::Tight)?;
-    let at = &sparse.values;
-    let values = strided(context, document, buffers, place, at.buffer_view, at.byte_offset, n, size, Stride::Tight)?;
+    let n = sparse.count;
+    let (at, values) = (&sparse.indices, &sparse.values);
+    let span = Span { view: at.buffer_view, offset: at.byte_offset, count: n, size: width };
+    let raw = strided(context, buffers, place, span, Stride::Tight)?;
+    let span = Span { view: values.buffer_view, offset: values.byte_offset, count: n, size };
+    let values = strided(context, buffers, place, span, Stride::Tight)?;
     context.spend(place, n, 4)?;
     let indices: Vec<u32> = (0..n as usize).map(|i| unsigned(component, raw.element(i, width))).collect();
     let increasing = indices.windows(2).all(|pair| pair[0] < pair[1]);

@@ -8,10 +8,12 @@ use super::json::Document;
 use super::uri;
 use crate::error::Error;
 
-/// The bytes of all buffers. One that has neither a URI nor the binary chunk is an error only where it is used: it may be the
-/// fallback of a compression extension.
+/// The bytes of all buffers. One that has neither a URI nor the binary chunk is an error only where it is used: it may
+/// be the fallback of a compression extension.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
+    /// Whose buffers they are.
+    pub(super) document: &'a Document,
     buffers: Vec<Option<Cow<'a, [u8]>>>,
 }
 
@@ -19,7 +21,7 @@ impl<'a> Buffers<'a> {
     /// Decodes and reads the buffers; `binary` is the GLB's own.
     pub(super) fn open(
         context: &mut Context<'_>,
-        document: &Document,
+        document: &'a Document,
         binary: Option<&'a [u8]>,
     ) -> Result<Self, Error> {
         let mut buffers = Vec::with_capacity(document.buffers.len());
@@ -42,20 +44,19 @@ impl<'a> Buffers<'a> {
             }
             buffers.push(bytes);
         }
-        Ok(Self { buffers })
+        Ok(Self { document, buffers })
     }
 
     /// The bytes of a buffer view and its stride; `referrer` is named in errors.
     pub(super) fn view(
         &self,
         context: &Context<'_>,
-        document: &Document,
         index: usize,
         referrer: impl Display,
     ) -> Result<(&[u8], Option<u64>), Error> {
-        let view = context.get(&document.buffer_views, "bufferView", index, referrer)?;
+        let view = context.get(&self.document.buffer_views, "bufferView", index, referrer)?;
         let view_place = place("bufferView", index, None);
-        let buffer = context.get(&document.buffers, "buffer", view.buffer, view_place)?;
+        let buffer = context.get(&self.document.buffers, "buffer", view.buffer, view_place)?;
         let Some(bytes) = self.buffers[view.buffer].as_deref() else {
             let what =
                 "has neither a uri nor a binary chunk; the file is incomplete or was saved with the wrong extension";

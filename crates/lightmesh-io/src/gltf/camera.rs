@@ -7,8 +7,8 @@ use super::json::{self, Document};
 use super::node::Placed;
 use crate::error::Error;
 
-/// The scene's cameras in the order of the file's `cameras`, those that share one in the order of their nodes. Each has its
-/// node's name, or else its own.
+/// The scene's cameras in the order of the file's `cameras`, those that share one in the order of their nodes. Each has
+/// its node's name, or else its own.
 pub(super) fn cameras(context: &mut Context<'_>, document: &Document, placed: &[Placed]) -> Result<Vec<Camera>, Error> {
     let mut order: Vec<&Placed> = placed.iter().collect();
     order.sort_by_key(|placed| (placed.index, placed.node));

@@ -72,7 +72,8 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>, Er
             return Err(syntax(place(), what));
         };
         match (index, kind) {
-            (0, JSON_CHUNK) => json = Some(data),
+            // Padding should be spaces, but some exporters write zeros.
+            (0, JSON_CHUNK) => json = Some(without_trailing_zeros(data)),
             (0, _) => return Err(syntax(place(), "the first chunk is not JSON; the file is damaged".into())),
             (_, BINARY_CHUNK) if binary.is_none() => binary = Some(data),
             _ => {}
@@ -84,6 +85,11 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>, Er
         Some(json) => Ok(Container { json, binary }),
         None => Err(syntax("GLB header".into(), "no chunk follows; the file is incomplete".into())),
     }
+}
+
+fn without_trailing_zeros(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &bytes[..end]
 }
 
 #[cfg(test)]
@@ -108,6 +114,11 @@ mod tests {
         for cut in 0..whole.len() {
             assert!(split("f", &whole[..cut]).is_err(), "{cut} bytes");
         }
+    }
+
+    #[test]
+    fn json_may_be_padded_with_zeros() {
+        assert_eq!(split("f", &glb(b"{}\0\0", b"")).unwrap().json, b"{}");
     }
 
     #[test]

@@ -18,10 +18,9 @@ const READ: [&str; 9] = [
 ];
 
 /// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them.
-const HARMLESS: [&str; 8] = [
+const HARMLESS: [&str; 7] = [
     "EXT_structural_metadata",
     "EXT_mesh_features",
-    "KHR_accessor_float64",
     "KHR_animation_pointer",
     "KHR_materials_variants",
     "KHR_xmp",
@@ -29,15 +28,16 @@ const HARMLESS: [&str; 8] = [
     "MSFT_lod",
 ];
 
-/// How to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain geometry where
-/// it reads compressed.
+/// How to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain geometry
+/// where it reads compressed.
 fn advice(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "decompress the file with `gltf-transform copy in.glb out.glb`, or export it again without compression"
         }
         "KHR_texture_basisu" => {
-            "decompress its textures with `gltf-transform ktxdecompress in.glb out.glb`, or export it again with PNG or JPEG"
+            "decompress its textures with `gltf-transform ktxdecompress in.glb out.glb`, \
+             or export it again with PNG or JPEG"
         }
         "KHR_materials_pbrSpecularGlossiness" => {
             "convert its materials with `gltf-transform metalrough in.glb out.glb`"

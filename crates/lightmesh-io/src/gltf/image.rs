@@ -1,7 +1,8 @@
 //! Decoding of images: once each, in parallel.
 //!
-//! Eight bits per channel stay as they are. Sixteen bits become 32-bit floats, which the renderer takes as linear: where such an
-//! image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept twice.
+//! Eight bits per channel stay as they are. Sixteen bits become 32-bit floats, which the renderer takes as linear:
+//! where such an image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept
+//! twice.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -14,7 +15,6 @@ use rayon::prelude::*;
 
 use super::buffer::Buffers;
 use super::context::{Context, Place, place};
-use super::json::Document;
 use super::texture::{Encoding, Textures};
 use super::uri;
 use crate::error::{Error, one_line};
@@ -42,11 +42,10 @@ struct Decoded {
 /// The used textures and their images.
 pub(super) fn decode(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &Buffers<'_>,
     textures: Textures,
 ) -> Result<(Vec<Texture>, Vec<ImageData>), Error> {
-    let pending = textures.pending(context, document)?;
+    let pending = textures.pending(context, buffers.document)?;
 
     // Collect each image once, in the file's order.
     let mut uses: BTreeMap<usize, (bool, bool)> = BTreeMap::new();
@@ -57,7 +56,7 @@ pub(super) fn decode(
     }
     let mut sources = Vec::with_capacity(uses.len());
     for (index, (srgb, linear)) in uses {
-        let (name, bytes) = fetch(context, document, buffers, index)?;
+        let (name, bytes) = fetch(context, buffers, index)?;
         sources.push(Source { index, name, bytes, srgb, linear });
     }
 
@@ -102,17 +101,16 @@ pub(super) fn decode(
 /// An image's name and compressed bytes.
 fn fetch<'a>(
     context: &mut Context<'_>,
-    document: &'a Document,
     buffers: &'a Buffers<'_>,
     index: usize,
 ) -> Result<(&'a str, Cow<'a, [u8]>), Error> {
-    let image = context.get(&document.images, "image", index, "textures")?;
+    let image = context.get(&buffers.document.images, "image", index, "textures")?;
     let uri_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     let name = image.name.as_deref().or(uri_name).unwrap_or_default();
     let at = place("image", index, Some(name));
     let bytes = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => Cow::Owned(uri::fetch(context, at, uri)?),
-        (None, Some(view)) => Cow::Borrowed(buffers.view(context, document, view, at)?.0),
+        (None, Some(view)) => Cow::Borrowed(buffers.view(context, view, at)?.0),
         (None, None) => return Err(context.invalid(at, "has neither a uri nor a bufferView; the file is damaged")),
     };
     Ok((name, bytes))

@@ -8,6 +8,7 @@ use lightmesh::Light;
 use super::context::{Context, Place, place};
 use super::json::{self, Document};
 use super::node::Placed;
+use super::normals::unit;
 use crate::Units;
 use crate::error::Error;
 
@@ -61,7 +62,7 @@ fn light(
 
     // A light shines along its node's −Z; scale does not change it.
     let position = Vec3::from(placed.world_from_node.translation);
-    let direction = Vec3::from(-placed.world_from_node.matrix3.z_axis).try_normalize();
+    let direction = unit(Vec3::from(-placed.world_from_node.matrix3.z_axis));
     Ok(match (light.kind, direction) {
         (json::LightKind::Point, _) => Some(Light::Point { position, intensity_cd: strength, range }),
         (_, None) => {
@@ -80,9 +81,11 @@ fn light(
 
 /// Inner and outer half angle (radians) with 0 ≤ inner < outer ≤ π/2, mended where needed.
 fn cone(context: &mut Context<'_>, place: Place<'_>, spot: &json::Spot) -> (f32, f32) {
-    // Empirical: under a milliradian cos inner − cos outer drowns in f32 rounding even for inner = 0 (5·10⁻⁷ against 6·10⁻⁸).
+    // Empirical: under a milliradian cos inner − cos outer drowns in f32 rounding even for inner = 0 (5·10⁻⁷ against
+    // 6·10⁻⁸).
     const NARROWEST: f32 = 1e-3;
-    // A hard edge is a ramp over the outermost hundredth. cos(0.99 a) − cos(a) ≈ a²/100, which f32 resolves from a = 0.01 on.
+    // A hard edge is a ramp over the outermost hundredth. cos(0.99 a) − cos(a) ≈ a²/100, which f32 resolves from a =
+    // 0.01 on.
     const HARD_EDGE: f32 = 0.99;
     let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
     let mended_outer = if outer.is_nan() { std::f32::consts::FRAC_PI_4 } else { outer.clamp(NARROWEST, FRAC_PI_2) };

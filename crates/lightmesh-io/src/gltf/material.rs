@@ -28,22 +28,23 @@ pub(super) fn material(
     };
     let (pbr, extensions) = (&source.pbr_metallic_roughness, &source.extensions);
     let name = source.name.clone().unwrap_or_default();
-    context.spend(at, (name.len() + size_of::<Material>()) as u64, 1)?;
+    context.spend(at, name.len() as u64, 1)?;
 
     let [r, g, b, alpha] = pbr.base_color_factor.map(|value| unit(context, at, value));
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| e.emissive_strength);
     let default_specular = json::Specular::default();
     let specular = extensions.specular.as_deref().unwrap_or(&default_specular);
-    let transmission = extensions.transmission.as_deref();
-    let mut refer = |context: &mut Context<'_>, info: Option<&json::TextureInfo>, encoding| {
-        textures.refer(context, document, at, info, encoding)
+    let default_transmission = json::Transmission::default();
+    let transmission = extensions.transmission.as_deref().unwrap_or(&default_transmission);
+    let mut refer = |context: &mut Context<'_>, info: &Option<Box<json::TextureInfo>>, encoding| {
+        textures.refer(context, document, at, info.as_deref(), encoding)
     };
 
     Ok(Material {
         name,
         base_color: Vec3::new(r, g, b),
         alpha,
-        base_color_texture: refer(context, pbr.base_color_texture.as_ref(), Encoding::Srgb)?,
+        base_color_texture: refer(context, &pbr.base_color_texture, Encoding::Srgb)?,
         alpha_mode: match source.alpha_mode {
             json::AlphaMode::Opaque => AlphaMode::Opaque,
             json::AlphaMode::Mask => AlphaMode::Mask { cutoff: source.alpha_cutoff.unwrap_or(0.5).max(0.0) },
@@ -51,22 +52,18 @@ pub(super) fn material(
         },
         metallic: unit(context, at, pbr.metallic_factor),
         roughness: unit(context, at, pbr.roughness_factor),
-        metallic_roughness_texture: refer(context, pbr.metallic_roughness_texture.as_ref(), Encoding::Linear)?,
+        metallic_roughness_texture: refer(context, &pbr.metallic_roughness_texture, Encoding::Linear)?,
         emission: emission(context, at, source.emissive_factor, strength)?,
-        emission_texture: refer(context, source.emissive_texture.as_ref(), Encoding::Srgb)?,
-        normal_texture: refer(context, source.normal_texture.as_ref().map(|n| &n.info), Encoding::Linear)?,
+        emission_texture: refer(context, &source.emissive_texture, Encoding::Srgb)?,
+        normal_texture: refer(context, &source.normal_texture, Encoding::Linear)?,
         normal_scale: normal_scale(context, at, source)?,
         specular: unit(context, at, specular.specular_factor),
-        specular_texture: refer(context, specular.specular_texture.as_ref(), Encoding::Linear)?,
+        specular_texture: refer(context, &specular.specular_texture, Encoding::Linear)?,
         specular_color: specular_color(context, at, specular.specular_color_factor)?,
-        specular_color_texture: refer(context, specular.specular_color_texture.as_ref(), Encoding::Srgb)?,
+        specular_color_texture: refer(context, &specular.specular_color_texture, Encoding::Srgb)?,
         ior: ior(context, at, extensions.ior.as_ref().map_or(1.5, |e| e.ior)),
-        transmission: unit(context, at, transmission.map_or(0.0, |t| t.transmission_factor)),
-        transmission_texture: refer(
-            context,
-            transmission.and_then(|t| t.transmission_texture.as_ref()),
-            Encoding::Linear,
-        )?,
+        transmission: unit(context, at, transmission.transmission_factor),
+        transmission_texture: refer(context, &transmission.transmission_texture, Encoding::Linear)?,
         double_sided: source.double_sided,
         unlit: extensions.unlit.is_some(),
     })
@@ -94,7 +91,7 @@ fn emission(context: &Context<'_>, at: Place<'_>, factor: [f32; 3], strength: f3
 }
 
 fn normal_scale(context: &Context<'_>, at: Place<'_>, material: &json::Material) -> Result<f32, Error> {
-    match material.normal_texture.as_ref().map_or(1.0, |n| n.scale) {
+    match material.normal_texture.as_ref().and_then(|n| n.scale).unwrap_or(1.0) {
         scale if scale.is_finite() => Ok(scale),
         _ => Err(context.invalid(at, "the scale of its normal texture is not finite")),
     }

@@ -1,52 +1,38 @@
 //! Meshes: each glTF primitive becomes a [`TriangleMesh`].
 
-use std::fmt::{self, Display};
-
 use glam::{Vec2, Vec3, Vec4};
 use lightmesh::geometry::TriangleMesh;
 
-use super::accessor::{Accessor, Component};
+use super::attribute::{AttributeReader, PrimitivePlace, Vertices};
 use super::buffer::Buffers;
-use super::context::{Context, Place, place};
-use super::json::{Document, Primitive};
+use super::context::{Context, place};
+use super::json::{Attributes, Primitive};
 use super::topology::Topology;
 use super::{Used, normals};
 use crate::error::Error;
 
-/// A primitive in a message.
-#[derive(Clone, Copy, Debug)]
-struct PrimitivePlace<'a> {
-    mesh: Place<'a>,
-    primitive: usize,
-}
-
-impl Display for PrimitivePlace<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, primitive {}", self.mesh, self.primitive)
-    }
-}
-
-/// The triangle meshes of mesh `index`, one per primitive that has triangles. `materials` numbers the materials they use; `None` is
-/// glTF's default material.
+/// The triangle meshes of mesh `index`, one per primitive that has triangles. `materials` numbers the materials they
+/// use; `None` is glTF's default material.
 pub(super) fn primitives(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &Buffers<'_>,
     index: usize,
     materials: &mut Used<Option<usize>>,
 ) -> Result<Vec<TriangleMesh>, Error> {
-    let mesh = context.get(&document.meshes, "mesh", index, "nodes")?;
+    let mesh = context.get(&buffers.document.meshes, "mesh", index, "nodes")?;
     let name = mesh.name.as_deref();
     let mut meshes = Vec::new();
     for (i, primitive) in mesh.primitives.iter().enumerate() {
         let at = PrimitivePlace { mesh: place("mesh", index, name), primitive: i };
-        if let Some(mut triangles) = read_primitive(context, document, buffers, primitive, at)? {
+        if let Some(mut triangles) = read_primitive(context, buffers, primitive, at)? {
             if let Some(material) = primitive.material {
-                context.get(&document.materials, "material", material, at)?;
+                context.get(&buffers.document.materials, "material", material, at)?;
             }
             triangles.material = materials.number(primitive.material);
-            triangles.name = name.unwrap_or_default().to_owned();
-            context.spend(at, (triangles.name.len() + size_of::<TriangleMesh>()) as u64, 1)?;
+            // Every primitive has its own copy of the mesh's name, which may be long.
+            let name = name.unwrap_or_default();
+            context.spend(at, (name.len() + size_of::<TriangleMesh>()) as u64, 1)?;
+            triangles.name = name.to_owned();
             meshes.push(triangles);
         }
     }
@@ -56,7 +42,6 @@ pub(super) fn primitives(
 /// One primitive without its name and material; `None` where it has nothing to show.
 fn read_primitive(
     context: &mut Context<'_>,
-    document: &Document,
     buffers: &Buffers<'_>,
     primitive: &Primitive,
     at: PrimitivePlace<'_>,
@@ -85,7 +70,7 @@ fn read_primitive(
     }
 
     // Triangles, their indices checked against the number of vertices.
-    let reader = AttributeReader { document, buffers, at };
+    let reader = AttributeReader { buffers, at };
     let positions = reader.open(context, "POSITION", position, &[3], None)?;
     let vertex_count = positions.count;
     let indices = reader.indices(context, primitive.indices, vertex_count)?;
@@ -110,20 +95,34 @@ fn read_primitive(
         );
         return Err(context.invalid(at, what));
     }
-    let count = Some(vertex_count);
     let flat = triangles.iter().filter(|t| has_no_area(t.map(|i| positions[i as usize]))).count();
     context.warnings.add_many(at, "a triangle has no area and is never hit", flat as u64);
 
     let mut mesh = TriangleMesh { positions, triangles, ..TriangleMesh::default() };
+    read_shading(context, reader, attributes, &vertices, vertex_count, &mut mesh)?;
+    Ok(Some(mesh))
+}
+
+/// Fills in what shading needs: normals, tangents, texture coordinates, colours; mended where they are not finite.
+fn read_shading(
+    context: &mut Context<'_>,
+    reader: AttributeReader<'_>,
+    attributes: &Attributes,
+    vertices: &Vertices,
+    vertex_count: usize,
+    mesh: &mut TriangleMesh,
+) -> Result<(), Error> {
+    let (at, count) = (reader.at, Some(vertex_count));
     if let Some(normal) = attributes.normal {
         let accessor = reader.open(context, "NORMAL", normal, &[3], count)?;
         mesh.normals = vertices.collect(context, at, &accessor, Vec3::from_array)?;
-        let mended = normals::mend(&mut mesh.normals, &mesh.positions, &mesh.triangles);
-        context.warnings.add_many(
-            at,
-            "a normal is zero or not finite: replaced by that of the triangles around it",
-            mended,
-        );
+        let broken = normals::normalize(&mut mesh.normals);
+        if broken > 0 {
+            let message = "a normal is zero or not finite: replaced by that of the triangles around it";
+            context.warnings.add_many(at, message, broken as u64);
+            context.spend(at, broken as u64, normals::REPLACEMENT_BYTES)?;
+            normals::replace_zeros(&mut mesh.normals, broken, &mesh.positions, &mesh.triangles);
+        }
     }
     if let Some(tangent) = attributes.tangent {
         let accessor = reader.open(context, "TANGENT", tangent, &[4], count)?;
@@ -156,7 +155,7 @@ fn read_primitive(
         // The specification clamps them.
         mesh.colors.iter_mut().for_each(|color| *color = color.clamp(Vec4::ZERO, Vec4::ONE));
     }
-    Ok(Some(mesh))
+    Ok(())
 }
 
 /// Replaces what is not `good`, and counts.
@@ -177,125 +176,6 @@ fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
 
 /// Unit direction and handedness ±1.
 fn unit_tangent([x, y, z, w]: [f32; 4]) -> Option<Vec4> {
-    let direction = Vec3::new(x, y, z).try_normalize()?;
+    let direction = normals::unit(Vec3::new(x, y, z))?;
     Some(direction.extend(if w < 0.0 { -1.0 } else { 1.0 }))
-}
-
-/// Opens the accessors of one primitive.
-struct AttributeReader<'a> {
-    document: &'a Document,
-    buffers: &'a Buffers<'a>,
-    at: PrimitivePlace<'a>,
-}
-
-impl<'a> AttributeReader<'a> {
-    /// Accessor `index`, which must have one of the numbers of `components`, and `count` elements if given.
-    fn open(
-        &self,
-        context: &mut Context<'_>,
-        name: &str,
-        index: usize,
-        components: &[usize],
-        count: Option<usize>,
-    ) -> Result<Accessor<'a>, Error> {
-        let referrer = format!("{}, {name}", self.at);
-        let accessor = Accessor::open(context, self.document, self.buffers, index, &referrer)?;
-        if !components.contains(&accessor.components) {
-            let what = format!(
-                "accessor {index} has {} components per element, which {name} cannot have",
-                accessor.components
-            );
-            return Err(context.invalid(self.at, what));
-        }
-        match count {
-            Some(count) if count != accessor.count => {
-                let what = format!(
-                    "accessor {index} of {name} has {} elements for {count} vertices; the file is damaged",
-                    accessor.count
-                );
-                Err(context.invalid(self.at, what))
-            }
-            _ => Ok(accessor),
-        }
-    }
-
-    /// The index list, checked; without an accessor every vertex once.
-    fn indices(&self, context: &mut Context<'_>, index: Option<usize>, vertex_count: usize) -> Result<Vec<u32>, Error> {
-        let Some(index) = index else {
-            context.spend(self.at, vertex_count as u64, 4)?;
-            return Ok((0..vertex_count as u32).collect());
-        };
-        let accessor = self.open(context, "indices", index, &[1], None)?;
-        if !(accessor.is_plain_integer()
-            && matches!(accessor.component, Component::U8 | Component::U16 | Component::U32))
-        {
-            return Err(context.invalid(self.at, format!("accessor {index} of indices is not of unsigned integers")));
-        }
-        context.spend(self.at, accessor.count as u64, 4)?;
-        let indices: Vec<u32> = (0..accessor.count).map(|i| accessor.index(i)).collect();
-        match indices.iter().find(|&&i| i as usize >= vertex_count) {
-            None => Ok(indices),
-            Some(i) => {
-                let what =
-                    format!("index {i} is out of range: primitive has {vertex_count} vertices; the file is damaged");
-                Err(context.invalid(self.at, what))
-            }
-        }
-    }
-}
-
-/// Which elements of the attributes are kept, in order.
-#[derive(Debug)]
-enum Vertices {
-    All,
-    /// Sorted; the vertex that is now i was `kept[i]`.
-    Kept(Vec<u32>),
-}
-
-impl Vertices {
-    /// All vertices, unless the triangles are too few to use them all: then those that they use, and the triangles are
-    /// renumbered. So a primitive never takes more vertices than it has corners, whatever array it shares with others.
-    fn used_by(
-        context: &mut Context<'_>,
-        at: PrimitivePlace<'_>,
-        triangles: &mut [[u32; 3]],
-        vertex_count: usize,
-    ) -> Result<Self, Error> {
-        if triangles.len() * 3 >= vertex_count {
-            return Ok(Self::All);
-        }
-        context.spend(at, triangles.len() as u64, 12)?;
-        let mut kept: Vec<u32> = triangles.iter().flatten().copied().collect();
-        kept.sort_unstable();
-        kept.dedup();
-        for corner in triangles.iter_mut().flatten() {
-            // Every corner is in the list that was made of them.
-            *corner = kept.binary_search(corner).unwrap_or_default() as u32;
-        }
-        Ok(Self::Kept(kept))
-    }
-
-    /// The vertex's number in the file.
-    fn original(&self, i: usize) -> usize {
-        match self {
-            Self::All => i,
-            Self::Kept(kept) => kept[i] as usize,
-        }
-    }
-
-    /// The kept elements of an attribute.
-    fn collect<T, const N: usize>(
-        &self,
-        context: &mut Context<'_>,
-        at: PrimitivePlace<'_>,
-        accessor: &Accessor<'_>,
-        convert: impl Fn([f32; N]) -> T,
-    ) -> Result<Vec<T>, Error> {
-        let count = match self {
-            Self::All => accessor.count,
-            Self::Kept(kept) => kept.len(),
-        };
-        context.spend(at, count as u64, size_of::<T>() as u64)?;
-        Ok((0..count).map(|i| convert(accessor.float(self.original(i)))).collect())
-    }
 }

@@ -1,9 +1,10 @@
 //! glTF 2.0, text and binary.
 //!
-//! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers, meshes,
-//! materials, textures, images. What the scene does not use is neither decoded nor checked.
+//! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers,
+//! meshes, materials, textures, images. What the scene does not use is neither decoded nor checked.
 
 mod accessor;
+mod attribute;
 mod buffer;
 mod camera;
 mod container;
@@ -23,7 +24,7 @@ mod uri;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use lightmesh::{Instance, SceneData};
+use lightmesh::{Instance, Material, SceneData};
 
 use self::buffer::Buffers;
 use self::context::{Context, place};
@@ -33,8 +34,8 @@ use crate::budget::Budget;
 use crate::error::{Error, one_line};
 use crate::{LoadOptions, Loaded};
 
-/// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has them is
-/// refused where it is `None`.
+/// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has
+/// them is refused where it is `None`.
 ///
 /// # Errors
 /// As [`load`](crate::load).
@@ -56,8 +57,9 @@ pub(crate) fn read(
     budget: Budget,
 ) -> Result<Loaded, Error> {
     let container = container::split(file, bytes)?;
-    let document = json::parse(file, container.json)?;
     let mut context = Context::new(file, folder, options, budget);
+    context.spend("JSON", json::parsed_bytes(container.json), 1)?;
+    let document = json::parse(file, container.json)?;
     extensions::check(&mut context, &document)?;
 
     // Nodes: which meshes, lights and cameras the chosen scene has, and where.
@@ -74,7 +76,7 @@ pub(crate) fn read(
     let mut loaded = BTreeMap::new();
     for &mesh in visit.meshes.iter().map(|placed| &placed.index) {
         if let std::collections::btree_map::Entry::Vacant(entry) = loaded.entry(mesh) {
-            let primitives = mesh::primitives(&mut context, &document, &buffers, mesh, &mut materials)?;
+            let primitives = mesh::primitives(&mut context, &buffers, mesh, &mut materials)?;
             let first = data.meshes.len();
             data.meshes.extend(primitives);
             entry.insert(first..data.meshes.len());
@@ -91,10 +93,13 @@ pub(crate) fn read(
 
     // Materials of those meshes, the textures of those materials, the images of those textures.
     let mut textures = Textures::default();
+    context.spend("materials", materials.order.len() as u64, size_of::<Material>() as u64)?;
+    data.materials.reserve_exact(materials.order.len());
     for &material in &materials.order {
         data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
     }
-    (data.textures, data.images) = image::decode(&mut context, &document, &buffers, textures)?;
+    warn_of_missing_uvs(&mut context, &data);
+    (data.textures, data.images) = image::decode(&mut context, &buffers, textures)?;
 
     if !document.animations.is_empty() {
         context.warnings.add("animations", "animations are not read: nodes stay where the file puts them");
@@ -125,7 +130,8 @@ impl<K: Copy + Ord> Used<K> {
     }
 }
 
-/// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not rendered.
+/// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not
+/// rendered.
 fn place_meshes(
     context: &mut Context<'_>,
     document: &Document,
@@ -134,6 +140,9 @@ fn place_meshes(
     data: &mut SceneData,
 ) -> Result<(), Error> {
     let bounds: Vec<_> = data.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    let instances: usize = placed.iter().map(|placed| loaded[&placed.index].len()).sum();
+    context.spend("instances of meshes", instances as u64, size_of::<Instance>() as u64)?;
+    data.instances.reserve_exact(instances);
     for node::Placed { node, index, world_from_node } in placed {
         let node_place = place("node", *node, document.nodes[*node].name.as_deref());
         // A determinant that underflows has no inverse in f32, and a surface that is scaled to nothing cannot be seen.
@@ -141,9 +150,7 @@ fn place_meshes(
             context.warnings.add(node_place, "its scale is zero in some direction: its mesh is left out");
             continue;
         }
-        let meshes = loaded[index].clone();
-        context.spend(&node_place, meshes.len() as u64, size_of::<Instance>() as u64)?;
-        for mesh in meshes {
+        for mesh in loaded[index].clone() {
             let world = bounds[mesh].transformed(world_from_node);
             if !(world.min.is_finite() && world.max.is_finite()) {
                 return Err(context
@@ -153,4 +160,24 @@ fn place_meshes(
         }
     }
     Ok(())
+}
+
+/// Warns about textured materials on meshes without the texture coordinates: they show one texel everywhere.
+fn warn_of_missing_uvs(context: &mut Context<'_>, data: &SceneData) {
+    for mesh in &data.meshes {
+        let material = &data.materials[mesh.material];
+        let references = [
+            &material.base_color_texture,
+            &material.metallic_roughness_texture,
+            &material.emission_texture,
+            &material.normal_texture,
+            &material.specular_texture,
+            &material.specular_color_texture,
+            &material.transmission_texture,
+        ];
+        if references.into_iter().flatten().any(|reference| mesh.uvs[reference.uv_set].is_empty()) {
+            let message = "its material has a texture, but the mesh has no texture coordinates for it";
+            context.warnings.add(format_args!("mesh {:?}", mesh.name), message);
+        }
+    }
 }

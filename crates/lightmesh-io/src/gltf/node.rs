@@ -1,5 +1,7 @@
 //! The node hierarchy of one scene.
 
+use std::fmt::Display;
+
 use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::context::{Context, place};
@@ -29,24 +31,23 @@ pub(super) struct Visit {
 pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Visit, Error> {
     let (roots, from) = roots(context, document)?;
     let nodes = &document.nodes;
+    // A list that grows lives up to three times: see `json::parsed_bytes`.
+    let carried = nodes.iter().map(|n| [n.mesh, n.camera, light_of(n)].into_iter().flatten().count() as u64).sum();
+    context.spend("nodes", carried, 3 * size_of::<Placed>() as u64)?;
+    context.spend("nodes", nodes.len() as u64, 3 * size_of::<(usize, DAffine3)>() as u64 + 1)?;
+
     let mut visit = Visit::default();
     let mut reached = vec![false; nodes.len()];
     // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse.
-    let mut stack: Vec<(usize, Parent, DAffine3)> =
-        roots.iter().rev().map(|&node| (node, Parent::Scene, DAffine3::IDENTITY)).collect();
-
-    while let Some((index, parent, world_from_parent)) = stack.pop() {
-        let node = match parent {
-            Parent::Scene => context.get(nodes, "node", index, &from)?,
-            Parent::Node(parent) => {
-                context.get(nodes, "node", index, place("node", parent, nodes[parent].name.as_deref()))?
-            }
-        };
+    // Nodes are marked when pushed: then the stack is never longer than the list of nodes.
+    let mut stack = Vec::new();
+    for &root in roots.iter().rev() {
+        mark(context, nodes, &mut reached, root, &from)?;
+        stack.push((root, DAffine3::IDENTITY));
+    }
+    while let Some((index, world_from_parent)) = stack.pop() {
+        let node = &nodes[index];
         let node_place = place("node", index, node.name.as_deref());
-        if std::mem::replace(&mut reached[index], true) {
-            let what = "is reached twice: it has two parents or is part of a cycle; a node may have one parent only";
-            return Err(context.invalid(node_place, what));
-        }
 
         // In double precision, so that deep hierarchies do not add up rounding errors.
         let world = world_from_parent * parent_from_node(context, index, node)?;
@@ -56,27 +57,41 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
                 .invalid(node_place, "its transform leaves the range of 32-bit floats; check its parents' scales"));
         }
 
-        let carried = [
-            (node.mesh, &mut visit.meshes),
-            (node.camera, &mut visit.cameras),
-            (node.extensions.lights_punctual.as_ref().map(|l| l.light), &mut visit.lights),
-        ];
+        let carried =
+            [(node.mesh, &mut visit.meshes), (node.camera, &mut visit.cameras), (light_of(node), &mut visit.lights)];
         for (what, list) in carried {
             list.extend(what.map(|what| Placed { node: index, index: what, world_from_node }));
         }
         if node.skin.is_some() && node.mesh.is_some() {
             context.warnings.add(node_place, "skins are not read: the mesh is shown in its rest pose");
         }
-        stack.extend(node.children.iter().rev().map(|&child| (child, Parent::Node(index), world)));
+        for &child in node.children.iter().rev() {
+            mark(context, nodes, &mut reached, child, node_place)?;
+            stack.push((child, world));
+        }
     }
     Ok(visit)
 }
 
-/// Where a node was reached from.
-#[derive(Clone, Copy, Debug)]
-enum Parent {
-    Scene,
-    Node(usize),
+/// The light on a node.
+fn light_of(node: &Node) -> Option<usize> {
+    node.extensions.lights_punctual.as_ref().map(|light| light.light)
+}
+
+/// Notes that a node was reached, once.
+fn mark(
+    context: &Context<'_>,
+    nodes: &[Node],
+    reached: &mut [bool],
+    index: usize,
+    referrer: impl Display,
+) -> Result<(), Error> {
+    let node = context.get(nodes, "node", index, referrer)?;
+    if std::mem::replace(&mut reached[index], true) {
+        let what = "is reached twice: it has two parents or is part of a cycle; a node may have one parent only";
+        return Err(context.invalid(place("node", index, node.name.as_deref()), what));
+    }
+    Ok(())
 }
 
 /// The root nodes to render and, for messages, where they are listed.

@@ -17,8 +17,9 @@ impl Topology {
         }
     }
 
-    /// The triangles, all with the same front side (glTF 2.0, 3.7.2.1 "Topology types"). Strips and fans leave out triangles that
-    /// repeat an index, which are how strips are stitched together; an incomplete last triangle is left out.
+    /// The triangles, all with the same front side (glTF 2.0, 3.7.2.1 "Topology types"). Strips and fans leave out
+    /// triangles that repeat an index, which are how strips are stitched together; an incomplete last triangle is left
+    /// out.
     pub(super) fn triangles(self, indices: &[u32]) -> Vec<[u32; 3]> {
         let mut triangles = Vec::with_capacity(self.triangle_count(indices.len()));
         match self {

@@ -67,7 +67,8 @@ fn percent_decode(text: &str) -> Vec<u8> {
     decoded
 }
 
-/// Whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:` is one too.
+/// Whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:` is one
+/// too.
 fn has_scheme(uri: &str) -> bool {
     uri.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -75,12 +76,13 @@ fn has_scheme(uri: &str) -> bool {
     })
 }
 
-/// The file at a relative path. Unless the options allow it, the path must stay in the scene's folder, as it is written and
-/// after symbolic links are followed.
+/// The file at a relative path. Unless the options allow it, the path must stay in the scene's folder, as it is written
+/// and after symbolic links are followed.
 fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
     const OUTSIDE: &str = "leaves the scene's folder; put the file beside the scene or pass --allow-outside";
     if has_scheme(uri) {
-        let what = "has a scheme, but only data: and files beside the scene are read; download the file and refer to it by a relative path";
+        let what = "has a scheme, but only data: and files beside the scene are read; \
+                    download the file and refer to it by a relative path";
         return Err(refuse(context, place, uri, what));
     }
     let Some(folder) = context.folder else {

@@ -10,8 +10,8 @@ use super::one;
 pub(crate) struct Material {
     pub(crate) name: Option<String>,
     pub(crate) pbr_metallic_roughness: MetallicRoughness,
-    pub(crate) normal_texture: Option<NormalTextureInfo>,
-    pub(crate) emissive_texture: Option<TextureInfo>,
+    pub(crate) normal_texture: Option<Box<TextureInfo>>,
+    pub(crate) emissive_texture: Option<Box<TextureInfo>>,
     pub(crate) emissive_factor: [f32; 3],
     pub(crate) alpha_mode: AlphaMode,
     pub(crate) alpha_cutoff: Option<f32>,
@@ -34,10 +34,10 @@ pub(crate) enum AlphaMode {
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct MetallicRoughness {
     pub(crate) base_color_factor: [f32; 4],
-    pub(crate) base_color_texture: Option<TextureInfo>,
+    pub(crate) base_color_texture: Option<Box<TextureInfo>>,
     pub(crate) metallic_factor: f32,
     pub(crate) roughness_factor: f32,
-    pub(crate) metallic_roughness_texture: Option<TextureInfo>,
+    pub(crate) metallic_roughness_texture: Option<Box<TextureInfo>>,
 }
 
 impl Default for MetallicRoughness {
@@ -59,17 +59,10 @@ pub(crate) struct TextureInfo {
     pub(crate) index: usize,
     #[serde(default)]
     pub(crate) tex_coord: u32,
+    /// Of a normal map only.
+    pub(crate) scale: Option<f32>,
     #[serde(default)]
     pub(crate) extensions: TextureInfoExtensions,
-}
-
-/// A use of a normal map.
-#[derive(Debug, Deserialize)]
-pub(crate) struct NormalTextureInfo {
-    #[serde(flatten)]
-    pub(crate) info: TextureInfo,
-    #[serde(default = "one")]
-    pub(crate) scale: f32,
 }
 
 /// Extensions of a texture's use.
@@ -123,9 +116,9 @@ pub(crate) struct EmissiveStrength {
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct Specular {
     pub(crate) specular_factor: f32,
-    pub(crate) specular_texture: Option<TextureInfo>,
+    pub(crate) specular_texture: Option<Box<TextureInfo>>,
     pub(crate) specular_color_factor: [f32; 3],
-    pub(crate) specular_color_texture: Option<TextureInfo>,
+    pub(crate) specular_color_texture: Option<Box<TextureInfo>>,
 }
 
 impl Default for Specular {
@@ -157,5 +150,5 @@ impl Default for Ior {
 #[serde(rename_all = "camelCase", default)]
 pub(crate) struct Transmission {
     pub(crate) transmission_factor: f32,
-    pub(crate) transmission_texture: Option<TextureInfo>,
+    pub(crate) transmission_texture: Option<Box<TextureInfo>>,
 }

@@ -1,8 +1,9 @@
 //! The JSON of a glTF file, as far as we read it.
 //!
-//! Why not the `gltf` crate? Its JSON layer drops the place of an error, panics on some enumerations unless its validation has
-//! passed (which refuses every extension it does not know), and lacks half the material extensions; the typed mirror of what we
-//! read is shorter than the code around those would be. Unknown properties are ignored; indices are checked where they are used.
+//! Why not the `gltf` crate? Its JSON layer drops the place of an error, panics on some enumerations unless its
+//! validation has passed (which refuses every extension it does not know), and lacks half the material extensions; the
+//! typed mirror of what we read is shorter than the code around those would be. Unknown properties are ignored; indices
+//! are checked where they are used.
 
 mod data;
 mod material;
@@ -11,8 +12,8 @@ mod node;
 use serde::Deserialize;
 
 pub(crate) use data::{Accessor, Buffer, BufferView, Image, Sampler, Sparse, Texture};
-pub(crate) use material::{AlphaMode, Material, Specular, TextureInfo};
-pub(crate) use node::{Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
+pub(crate) use material::{AlphaMode, Material, Specular, TextureInfo, Transmission};
+pub(crate) use node::{Attributes, Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
 
 use crate::error::{Error, one_line};
 
@@ -76,6 +77,48 @@ pub(crate) struct LightsPunctual {
     pub(crate) lights: Vec<Light>,
 }
 
+/// An upper bound of the memory that [`parse`] takes for a text, in proportion to the things in it and not to its
+/// length alone: `{}` is three characters of an array with its comma, and a node of many times as many bytes.
+pub(crate) fn parsed_bytes(text: &[u8]) -> u64 {
+    let (mut objects, mut others) = (0, 0);
+    for &byte in text {
+        objects += u64::from(byte == b'{');
+        others += u64::from(byte == b',' || byte == b'[');
+    }
+    objects * GROWTH * LARGEST_ELEMENT + others * GROWTH * size_of::<String>() as u64 + text.len() as u64
+}
+
+/// A list that has just doubled lives twice: n elements take up to 2 n, and n more while they are copied; a list of one
+/// has room for four.
+const GROWTH: u64 = 4;
+
+/// No element of a list is larger, bytes; larger properties are boxed.
+const LARGEST_ELEMENT: u64 = 176;
+
+const _: () = {
+    const fn fits<T>() {
+        assert!(size_of::<T>() as u64 <= LARGEST_ELEMENT);
+    }
+    fits::<Scene>();
+    fits::<Node>();
+    fits::<Mesh>();
+    fits::<Primitive>();
+    fits::<Camera>();
+    fits::<Light>();
+    fits::<Material>();
+    fits::<Texture>();
+    fits::<Sampler>();
+    fits::<Image>();
+    fits::<Accessor>();
+    fits::<BufferView>();
+    fits::<Buffer>();
+    // These hang on a brace of their own.
+    fits::<TextureInfo>();
+    fits::<Specular>();
+    fits::<Transmission>();
+    fits::<Sparse>();
+};
+
 /// Parses the text and checks `asset.version`.
 pub(crate) fn parse(file: &str, text: &[u8]) -> Result<Document, Error> {
     match serde_json::from_slice::<Document>(text) {
@@ -84,7 +127,8 @@ pub(crate) fn parse(file: &str, text: &[u8]) -> Result<Document, Error> {
     }
 }
 
-/// Why the text does not parse. Tracking the place of an error costs time, so only a text that has one is parsed with it.
+/// Why the text does not parse. Tracking the place of an error costs time, so only a text that has one is parsed with
+/// it.
 fn explain(file: &str, text: &[u8]) -> Error {
     // The version first: a glTF 1.0 file differs so much that any other complaint would mislead.
     #[derive(Deserialize)]

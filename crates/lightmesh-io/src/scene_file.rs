@@ -25,13 +25,14 @@ pub enum Units {
 pub struct LoadOptions {
     /// Units of punctual lights; default [`Units::Gltf`].
     pub units: Units,
-    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks are
-    /// never asked.
+    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks
+    /// are never asked.
     pub allow_outside: bool,
     /// Name or index of the scene in a file that has several; `None`: the file's default, else its first.
     pub scene: Option<String>,
-    /// Bytes that may be spent on files, decoded geometry and images together; default 4 GiB. Parsed JSON comes on top, in
-    /// proportion to the text's length.
+    /// Bytes that may be spent on files, parsed text, decoded geometry and images together; default 4 GiB. What might
+    /// be needed is counted before it is allocated, and nothing is counted back, so somewhat less is in use at any
+    /// time.
     pub max_memory: u64,
 }
 
@@ -53,32 +54,37 @@ pub struct Loaded {
 /// What [`load`] reads, for messages.
 const READABLE: &str = "glTF 2.0 (.gltf, .glb)";
 
-/// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary glTF.
+/// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary
+/// glTF.
 ///
 /// # Errors
-/// Every variant of [`Error`] that is about reading: the file is missing, cut off, not of its format, contradicts itself, needs
-/// something that we do not read, refers to files outside its folder, or is larger than the options allow.
+/// Every variant of [`Error`] that is about reading: the file is missing, cut off, not of its format, contradicts
+/// itself, needs something that we do not read, refers to files outside its folder, or is larger than the options
+/// allow.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let file = path.display().to_string();
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let is_gltf = match extension.as_str() {
-        "gltf" | "glb" => true,
-        _ => starts_as_glb(path, &file)?,
+    let reader: Reader = match extension.as_str() {
+        "gltf" | "glb" => gltf::read,
+        _ if starts_as_glb(path, &file)? => gltf::read,
+        other => {
+            let what = match other {
+                "" => "has no extension and does not begin as a binary glTF".to_owned(),
+                _ => one_line(format_args!("files of kind \".{other}\" are not read")),
+            };
+            return Err(Error::UnknownFormat { file: one_line(file), what, readable: READABLE });
+        }
     };
-    if !is_gltf {
-        let what = match extension.as_str() {
-            "" => "has no extension and does not begin as a binary glTF".to_owned(),
-            other => one_line(format_args!("files of kind \".{other}\" are not read")),
-        };
-        return Err(Error::UnknownFormat { file: one_line(file), what, readable: READABLE });
-    }
 
     let mut budget = Budget::new(options.max_memory);
     let bytes = read_file(path, &file, &mut budget)?;
     // A relative path without a folder lies in the current one.
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    gltf::read(&file, &bytes, Some(folder), options, budget)
+    reader(&file, &bytes, Some(folder), options, budget)
 }
+
+/// Turns a file's name, bytes and folder into a scene, with what the file itself has left of the budget.
+type Reader = fn(&str, &[u8], Option<&Path>, &LoadOptions, Budget) -> Result<Loaded, Error>;
 
 /// Whether the file has the magic bytes of a binary glTF.
 fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {
