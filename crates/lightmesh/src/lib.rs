@@ -13,13 +13,16 @@ mod image;
 pub mod metrics;
 mod options;
 mod progress;
+mod render;
 mod scene;
 
 pub use error::Error;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use options::{Falloff, Interpolation, Method, PaperScale, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};
+pub use render::{Frame, LightMesh, render};
 pub use scene::{
+    Scene,
     AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, SceneData, ShapeEntry, Texels,
     Texture, TextureRef, UvTransform, Wrap,
 };

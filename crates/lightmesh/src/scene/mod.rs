@@ -1,11 +1,13 @@
 //! What is rendered: the plain description ([`SceneData`]) and the checked, built scene ([`Scene`]).
 
+mod built;
 mod camera;
 mod data;
 mod light;
 mod material;
 mod texture;
 
+pub use built::Scene;
 pub use camera::{Camera, Projection};
 pub use data::{Instance, SceneData, ShapeEntry};
 pub use light::Light;
