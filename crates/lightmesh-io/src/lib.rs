@@ -1,1 +1,3 @@
 //! Scenes in, pictures out.
+mod stub_reader;
+pub use stub_reader::{Error, LoadOptions, Loaded, Units, load};
