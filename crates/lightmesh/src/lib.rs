@@ -22,7 +22,6 @@ pub use options::{Falloff, Interpolation, Method, PaperScale, RenderOptions, Spa
 pub use progress::{Progress, Stage};
 pub use render::{Frame, LightMesh, render};
 pub use scene::{
-    Scene,
-    AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, SceneData, ShapeEntry, Texels,
-    Texture, TextureRef, UvTransform, Wrap,
+    AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, Scene, SceneData, ShapeEntry, Texels,
+    Texture, TextureRef, UvTransform, Wrap, headlight,
 };

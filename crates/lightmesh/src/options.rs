@@ -43,6 +43,19 @@ pub enum Interpolation {
     Nearest,
 }
 
+impl Interpolation {
+    /// Radius of the sphere where none is said, in spacings.
+    pub const DEFAULT_RADIUS: f32 = 1.5;
+
+    /// What a method uses where nothing is said: the paper's method its sphere, the others trilinear.
+    pub fn default_for(method: Method) -> Self {
+        match method {
+            Method::Paper => Self::Sphere { radius: Self::DEFAULT_RADIUS },
+            _ => Self::default(),
+        }
+    }
+}
+
 /// Attenuation with distance: φ1 and φ3 of the paper.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Falloff {
