@@ -3,8 +3,13 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use lightmesh::metrics::difference;
-use lightmesh_io::{Encoding, Picture, read_picture};
+use glam::Vec3;
+use lightmesh::metrics::{FLIP_PIXELS_PER_DEGREE, difference, flip};
+use lightmesh_io::{
+    Encoding, Picture,
+    output::{auto_exposure, expose, tone_map},
+    read_picture,
+};
 use serde::Serialize;
 
 use crate::{args::CompareArgs, exit::Failure, terminal};
@@ -15,6 +20,7 @@ struct Comparison {
     relrmse: f64,
     bias: f64,
     max: f64,
+    flip: f64,
 }
 
 /// Compares two pictures of the same size.
@@ -33,15 +39,27 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         ));
     }
     let d = difference(&a.image.pixels, &b.image.pixels);
-    let comparison = Comparison { relrmse: d.relrmse, bias: d.bias, max: d.max };
+    let ev = auto_exposure(&b.image.pixels);
+    let (width, height) = (b.image.width as usize, b.image.height as usize);
+    let flip = flip(&shown(&a, ev), &shown(&b, ev), width, height, FLIP_PIXELS_PER_DEGREE);
+    let comparison = Comparison { relrmse: d.relrmse, bias: d.bias, max: d.max, flip };
     let text = if args.json {
         serde_json::to_string_pretty(&comparison).map_err(Failure::work)?
     } else {
-        format!("relrmse  {:.6}\nbias     {:+.6}\nmax      {:.6}", comparison.relrmse, comparison.bias, comparison.max)
+        let Comparison { relrmse, bias, max, flip } = comparison;
+        format!("relrmse  {relrmse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}")
     };
     terminal::print(&text).map_err(Failure::work)
 }
 
 fn read(path: &Path) -> Result<Picture, Failure> {
     read_picture(path).map_err(Failure::input)
+}
+
+/// The picture as a display shows it: an EXR like a PNG that `render` writes at `ev`, a PNG as it is.
+fn shown(picture: &Picture, ev: f32) -> Vec<Vec3> {
+    match picture.encoding {
+        Encoding::SceneLinear => picture.image.pixels.iter().map(|&p| tone_map(expose(p, ev))).collect(),
+        Encoding::DisplayLinear => picture.image.pixels.clone(),
+    }
 }

@@ -23,7 +23,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
-    /// Scene file: .gltf or .glb
+    /// Scene file: .gltf, .glb, .obj or .ply
     pub(crate) scene: PathBuf,
 
     /// Picture to write: .png (exposed, tone mapped, sRGB) or .exr (linear cd/m²); may be given several times
