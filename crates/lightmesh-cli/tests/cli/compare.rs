@@ -1,10 +1,8 @@
 //! `lightmesh compare` from the outside.
 
-mod common;
-
 use std::{fs::File, io::BufWriter};
 
-use common::Place;
+use crate::place::Place;
 use glam::Vec3;
 use lightmesh::{Camera, Image};
 use lightmesh_io::output::{Metadata, Precision, write_exr, write_png};

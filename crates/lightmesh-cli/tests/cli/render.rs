@@ -1,8 +1,6 @@
 //! `lightmesh render` from the outside.
 
-mod common;
-
-use common::Place;
+use crate::place::Place;
 use serde_json::Value;
 
 #[test]

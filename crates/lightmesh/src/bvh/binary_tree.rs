@@ -1,0 +1,143 @@
+//! The binary tree that the wide one is collapsed from: obvhs' PLOC and parallel reinsertion, driven so that the result
+//! does not depend on the number of threads.
+
+use glam::Vec3A;
+use obvhs::Boundable;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use rayon::prelude::*;
+
+use crate::geometry::Aabb;
+
+/// A primitive's box, or the box of a part of it, and which primitive it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub(super) bounds: Aabb,
+    pub(super) primitive: u32,
+}
+
+impl Boundable for Item {
+    fn aabb(&self) -> obvhs::aabb::Aabb {
+        obvhs::aabb::Aabb::new(self.bounds.min.into(), self.bounds.max.into())
+    }
+}
+
+/// A binary tree's node. Children of an inner node stand side by side, both after their parent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BinaryNode {
+    pub(super) bounds: Aabb,
+    pub(super) content: Content,
+}
+
+/// What a [`BinaryNode`] holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Content {
+    /// The index of the first of two children.
+    Inner(u32),
+    /// An index into the items the tree was built over.
+    Item(u32),
+}
+
+/// Deepest tree whose subtrees are moved about. PLOC over boxes in geometric progression, each twice as large as all
+/// before it, gives a chain; f32 leaves room for some 250 doublings with a few boxes each.
+const MAX_OPTIMIZED_DEPTH: usize = 1000;
+
+/// Builds the tree over `items`, node 0 the root; empty for no items.
+pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
+    if items.is_empty() {
+        return Vec::new();
+    }
+    // Merge neighbours along a Morton curve, bottom up.
+    let indices = (0..items.len() as u32).collect();
+    let mut bvh = PlocBuilder::with_capacity(items.len()).build(
+        PlocSearchDistance::Medium,
+        items,
+        indices,
+        SortPrecision::U128,
+        1,
+    );
+    // Improve; obvhs sizes its stacks by the depth, which moves can increase.
+    if bvh.max_depth <= MAX_OPTIMIZED_DEPTH {
+        bvh.max_depth *= 4;
+        reinsert(&mut bvh);
+    }
+    to_breadth_first(&bvh)
+}
+
+/// Moves subtrees to where they cost least: Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy
+/// Optimization", 2018. Rounds k = 1, 3, 5 … take the 1/k of the nodes with the largest surface.
+///
+/// The candidates are chosen here and not by `ReinsertionOptimizer::run`, whose radix sort is unstable and picks its
+/// algorithm by the number of threads for more than 4 million nodes.
+fn reinsert(bvh: &mut Bvh2) {
+    let mut optimizer = ReinsertionOptimizer::default();
+    for k in (1..32).step_by(2) {
+        let mut candidates: Vec<(u32, u32)> =
+            bvh.nodes.iter().zip(0..).skip(1).map(|(n, i)| (area_key(n), i)).collect();
+        let count = candidates.len().div_ceil(k);
+        if count < candidates.len() {
+            candidates.select_nth_unstable(count);
+            candidates.truncate(count);
+        }
+        candidates.par_sort_unstable();
+        let candidates: Vec<u32> = candidates.into_iter().map(|(_, i)| i).collect();
+        optimizer.run_with_candidates(bvh, &candidates, 1);
+    }
+}
+
+/// Sorts nodes by falling surface; unique together with the index. Positive floats sort like their bits.
+fn area_key(node: &Bvh2Node) -> u32 {
+    !node.aabb().half_area().max(0.0).to_bits()
+}
+
+/// The tree in breadth-first order, which puts children after parents.
+fn to_breadth_first(bvh: &Bvh2) -> Vec<BinaryNode> {
+    let mut order: Vec<u32> = vec![0];
+    let mut nodes = Vec::with_capacity(bvh.nodes.len());
+    while let Some(&index) = order.get(nodes.len()) {
+        let node = &bvh.nodes[index as usize];
+        let bounds = Aabb { min: node.aabb().min.into(), max: node.aabb().max.into() };
+        let content = if node.is_leaf() {
+            Content::Item(bvh.primitive_indices[node.first_index as usize])
+        } else {
+            let first = order.len() as u32;
+            order.extend([node.first_index, node.first_index + 1]);
+            Content::Inner(first)
+        };
+        nodes.push(BinaryNode { bounds, content });
+    }
+    nodes
+}
+
+/// A balanced tree for inputs of which [`build`] makes a chain: each node splits its items at the median of the centres
+/// along the longest axis of their box. Depth ≤ 1 + ⌈log₂ n⌉. Empty for no items.
+pub(super) fn median_tree(items: &[Item]) -> Vec<BinaryNode> {
+    if items.is_empty() {
+        return Vec::new();
+    }
+    let mut order: Vec<u32> = (0..items.len() as u32).collect();
+    let union = |ids: &[u32]| ids.iter().fold(Aabb::EMPTY, |b, &i| b.union(items[i as usize].bounds));
+    let mut nodes = vec![BinaryNode { bounds: union(&order), content: Content::Item(0) }];
+    let mut pending = vec![(0, 0..items.len())];
+    while let Some((node, range)) = pending.pop() {
+        let ids = &mut order[range.clone()];
+        if let [id] = *ids {
+            nodes[node].content = Content::Item(id);
+            continue;
+        }
+        let centers = ids.iter().map(|&i| items[i as usize].bounds.center());
+        let axis = Vec3A::from(Aabb::from_points(centers).size()).max_position();
+        let half = ids.len() / 2;
+        let key = |i: u32| items[i as usize].bounds.center()[axis];
+        ids.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+        let first = nodes.len();
+        nodes[node].content = Content::Inner(first as u32);
+        for part in [range.start..range.start + half, range.start + half..range.end] {
+            pending.push((nodes.len(), part.clone()));
+            nodes.push(BinaryNode { bounds: union(&order[part]), content: Content::Item(0) });
+        }
+    }
+    nodes
+}

@@ -1,0 +1,186 @@
+//! The two levels: the flattened world, and above it the tree over instances, spheres and shapes.
+
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
+use super::flatten::{ObjectFromWorld, corners, flattened_meshes};
+use super::hit::{Hit, Target};
+use super::top_level::{Object, TopLevel};
+use super::traverse::{STACK, Stack};
+use super::triangle_block::TriangleHit;
+use super::triangle_bvh::{Closest, TriangleBvh};
+use crate::geometry::{Aabb, Ray, TriangleMesh};
+use crate::scene::SceneData;
+
+/// The acceleration structure of a scene.
+///
+/// Meshes that are placed once lie in one tree in world space. A mesh with several instances keeps one tree in object
+/// space; instances, spheres and user-defined shapes stand in a tree above, which scenes without them do not have.
+///
+/// A ray's `t_min` must be ≥ 0 and its direction finite and not zero.
+#[derive(Clone, Debug)]
+pub struct SceneBvh {
+    level: Level,
+    world: TriangleBvh,
+    /// Where in the world's numbering each flattened instance begins, ascending.
+    flattened: Vec<FlattenedInstance>,
+    /// Object-space trees; `None` for meshes that are flattened.
+    meshes: Vec<Option<TriangleBvh>>,
+    top: Option<TopLevel>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct FlattenedInstance {
+    first: u32,
+    instance: u32,
+}
+
+impl SceneBvh {
+    /// Builds the structure. `data` has been validated: indices in range, positions finite. Triangles without area and
+    /// instances whose transform has no inverse may be there; they are never hit. The result is the same for any number
+    /// of threads.
+    pub fn build(data: &SceneData) -> Self {
+        // Copy what is placed once into world space.
+        let flat = flattened_meshes(data);
+        let (mut triangles, mut flattened, mut objects) = (Vec::new(), Vec::new(), Vec::new());
+        for (placed, instance) in data.instances.iter().zip(0..) {
+            let Some(object_from_world) = ObjectFromWorld::new(placed) else { continue };
+            let mesh = &data.meshes[placed.mesh];
+            if flat[placed.mesh] {
+                flattened.push(FlattenedInstance { first: triangles.len() as u32, instance });
+                triangles.extend(corners(mesh, |p| placed.world_from_object.transform_point3(p)));
+            } else {
+                let bounds = mesh.bounds().transformed(&placed.world_from_object);
+                objects.push(Object::instance(bounds, instance, placed.mesh, object_from_world));
+            }
+        }
+        let world = TriangleBvh::build(&triangles);
+
+        // One tree per mesh that is placed several times.
+        let build_mesh = |(mesh, &flat): (&TriangleMesh, &bool)| {
+            (!flat).then(|| TriangleBvh::build(&corners(mesh, |p| p).collect::<Vec<_>>()))
+        };
+        let meshes = data.meshes.par_iter().zip(&flat).map(build_mesh).collect();
+
+        // The level above.
+        objects.extend(data.spheres.iter().zip(0..).map(|(sphere, i)| Object::sphere(*sphere, i)));
+        objects.extend(data.shapes.iter().zip(0..).map(|(entry, i)| Object::shape(entry.shape.clone(), i)));
+        let top = TopLevel::build(objects);
+        Self { level: Level::new(), world, flattened, meshes, top }
+    }
+
+    /// The box around everything that can be hit, metres in world space; [`Aabb::EMPTY`] if there is nothing.
+    pub fn bounds(&self) -> Aabb {
+        self.top.as_ref().map_or(Aabb::EMPTY, TopLevel::bounds).union(self.world.bounds())
+    }
+
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> u64 {
+        let meshes: u64 = self.meshes.iter().flatten().map(TriangleBvh::bytes).sum();
+        let flattened = self.flattened.len() * size_of::<FlattenedInstance>();
+        self.world.bytes() + meshes + flattened as u64 + self.top.as_ref().map_or(0, TopLevel::bytes)
+    }
+
+    /// The first surface that the ray meets in (t_min, t_max); of several at the same t the lowest [`Target`].
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut hit = [None];
+        self.closest_batch(std::slice::from_ref(ray), &mut hit);
+        hit[0]
+    }
+
+    /// Whether the ray meets anything in (t_min, t_max).
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut occluded = [false];
+        self.occluded_batch(std::slice::from_ref(ray), &mut occluded);
+        occluded[0]
+    }
+
+    /// Offers the surfaces that the ray meets in (t_min, t_max) to `accept`, each at most once (a sphere or a shape once
+    /// per crossing), in any order, until it returns true; returns whether it did.
+    pub fn any_hit(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> bool {
+        self.any_hit_dyn(ray, &mut accept)
+    }
+
+    /// [`Self::closest`] of each ray; the SIMD level is chosen once for all. `hits` must be as long as `rays`.
+    pub fn closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        debug_assert_eq!(rays.len(), hits.len());
+        dispatch!(self.level, simd => {
+            let mut stack = [0; STACK];
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = self.closest_with(simd, ray, &mut stack);
+            }
+        });
+    }
+
+    /// [`Self::occluded`] of each ray; the SIMD level is chosen once for all. `occluded` must be as long as `rays`.
+    pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
+        debug_assert_eq!(rays.len(), occluded.len());
+        dispatch!(self.level, simd => {
+            let mut stack = [0; STACK];
+            for (ray, occluded) in rays.iter().zip(occluded) {
+                *occluded = self.occluded_with(simd, ray, &mut stack);
+            }
+        });
+    }
+
+    /// The target of a triangle of the flattened world.
+    fn world_target(&self, id: u32) -> Target {
+        let FlattenedInstance { first, instance } =
+            self.flattened[self.flattened.partition_point(|f| f.first <= id).saturating_sub(1)];
+        Target::Triangle { instance, triangle: id - first }
+    }
+
+    #[inline(always)]
+    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
+        let mut closest = Closest::before(ray.t_max, 0);
+        self.world.closest(simd, ray, stack, &mut closest);
+        let TriangleHit { t, u, v, id } = closest.hit;
+        let hit = closest.found.then(|| Hit { t, u, v, target: self.world_target(id) });
+        match &self.top {
+            None => hit,
+            Some(top) => top.closest(simd, ray, &self.meshes, stack, hit),
+        }
+    }
+
+    #[inline(always)]
+    fn occluded_with<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> bool {
+        self.world.occluded(simd, ray, stack)
+            || self.top.as_ref().is_some_and(|top| top.occluded(simd, ray, &self.meshes, stack))
+    }
+
+    fn any_hit_dyn(&self, ray: &Ray, accept: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        dispatch!(self.level, simd => {
+            let mut stack = [0; STACK];
+            let mut world = |TriangleHit { t, u, v, id }| accept(&Hit { t, u, v, target: self.world_target(id) });
+            self.world.any_hit(simd, ray, &mut stack, &mut world)
+                || self.top.as_ref().is_some_and(|top| top.any_hit(simd, ray, &self.meshes, &mut stack, accept))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Vec3};
+
+    use super::*;
+    use crate::scene::Instance;
+
+    #[test]
+    fn a_single_triangle_and_nothing_at_all() {
+        let empty = SceneBvh::build(&SceneData::default());
+        let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+        assert!(empty.bounds().is_empty() && empty.closest(&ray).is_none() && !empty.occluded(&ray));
+        let mesh = TriangleMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            ..Default::default()
+        };
+        let instance = Instance { mesh: 0, world_from_object: Affine3A::IDENTITY };
+        let data = SceneData { meshes: vec![mesh], instances: vec![instance], ..Default::default() };
+        let bvh = SceneBvh::build(&data);
+        let target = Target::Triangle { instance: 0, triangle: 0 };
+        assert_eq!(bvh.closest(&ray), Some(Hit { t: 1.0, u: 0.25, v: 0.25, target }));
+        assert!(bvh.occluded(&ray) && bvh.any_hit(&ray, |hit| hit.target == target));
+        assert!(!bvh.occluded(&Ray { t_max: 1.0, ..ray }) && !bvh.occluded(&Ray { t_min: 1.0, ..ray }));
+    }
+}
