@@ -51,6 +51,7 @@ impl Bar {
                 self.bar.disable_steady_tick();
                 self.bar.reset();
                 self.bar.set_style(style.progress_chars("=> "));
+                self.bar.set_message("");
                 self.bar.set_prefix(match stage {
                     Stage::Build => "building",
                     Stage::Render => "rendering",

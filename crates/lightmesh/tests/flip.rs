@@ -34,7 +34,8 @@ fn noise(x: usize, y: usize, seed: usize) -> u8 {
     (h >> 16) as u8
 }
 
-/// Noise, a gradient with discs that move, thin lines, saturated colours: means within 1e-3.
+/// Noise, a gradient with discs that move, thin lines, saturated colours: means within 1e-4. Empirical: their program
+/// counts in f32, ours in f64, and the largest deviation seen is 6e-6.
 #[test]
 fn agrees_with_the_authors() {
     let disc = |x: usize, y: usize, cx: f64, cy: f64| {
@@ -64,7 +65,7 @@ fn agrees_with_the_authors() {
     for (name, reference, test) in &pairs {
         let ours = flip(&linear(test), &linear(reference), WIDTH, HEIGHT, PIXELS_PER_DEGREE);
         let theirs = authors(reference, test);
-        assert!((ours - theirs).abs() < 1e-3, "{name}: {ours} and {theirs}");
+        assert!((ours - theirs).abs() < 1e-4, "{name}: {ours} and {theirs}");
         assert!(theirs > 0.01, "{name} is no test");
     }
 }
