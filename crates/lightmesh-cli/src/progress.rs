@@ -11,7 +11,8 @@ use lightmesh::{Progress, Stage};
 
 use crate::interrupt;
 
-/// Shows the stage, how far it is, rays per second and the time left, on stderr if it is a terminal; carries Ctrl-C to the work.
+/// Shows the stage, how far it is, rays per second and the time left, on stderr if it is a terminal; carries Ctrl-C to
+/// the work.
 pub(crate) struct Bar {
     bar: ProgressBar,
     stage: Mutex<Option<(Stage, Instant)>>,

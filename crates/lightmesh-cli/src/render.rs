@@ -85,7 +85,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
         method: method_name(options.method).to_owned(),
         scene: args.scene.display().to_string(),
-        settings: settings::json(&options, &camera.name),
+        settings: settings::json(&options, args.load_options().units, &camera.name),
         seconds: frame.stats.seconds.render,
         spp: options.spp,
         camera,
@@ -144,7 +144,7 @@ fn build(mut data: SceneData, wanted: Option<&str>) -> Result<Built, Failure> {
     let mut warnings: Vec<String> = warning.into_iter().collect();
     if data.lights.is_empty() && emits(&data) {
         warnings.push(
-            "the file has emissive materials and no lights: emission is seen, but lights nothing yet except with --method path"
+            "the file has emissive materials and no lights: emission is seen, but only --method path lights by it"
                 .to_owned(),
         );
     } else if data.lights.is_empty() {

@@ -1,12 +1,13 @@
 //! The settings of a render as a picture file keeps them.
 
 use lightmesh::{Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
+use lightmesh_io::Units;
 use serde_json::json;
 
 use crate::args::method_name;
 
 /// A JSON object with every option, spelled as the command line spells it.
-pub(crate) fn json(options: &RenderOptions, camera: &str) -> String {
+pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> String {
     let RenderOptions {
         method,
         width,
@@ -29,7 +30,7 @@ pub(crate) fn json(options: &RenderOptions, camera: &str) -> String {
         "spp": spp,
         "bounces": bounces,
         "depth": depth,
-        "cutoff": cutoff,
+        "cutoff": cutoff.to_string(),
         "spacing": match spacing {
             Spacing::Auto => "auto".to_owned(),
             Spacing::Fraction(k) => format!("1/{k}"),
@@ -49,6 +50,10 @@ pub(crate) fn json(options: &RenderOptions, camera: &str) -> String {
         },
         "seed": seed,
         "max-memory": max_memory,
+        "units": match units {
+            Units::Gltf => "gltf",
+            Units::Blender => "blender",
+        },
         "camera": camera,
     })
     .to_string()
@@ -73,13 +78,15 @@ mod tests {
             interpolation: Interpolation::Sphere { radius: 2.5 },
             ..RenderOptions::default()
         };
-        let text = json(&options, "hall");
+        let text = json(&options, Units::Blender, "hall");
         for part in [
             r#""spacing":"1/80""#,
             r#""falloff":"0.1+r""#,
             r#""interpolation":"sphere:2.5""#,
             r#""size":"1280x720""#,
             r#""camera":"hall""#,
+            r#""cutoff":"0.001""#,
+            r#""units":"blender""#,
         ] {
             assert!(text.contains(part), "{text}");
         }

@@ -1,8 +1,8 @@
 //! FLIP: the difference that an observer sees when flipping between two pictures.
 //!
-//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. D. Fairchild, "FLIP: A difference evaluator for
-//! alternating images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020; *FLIP* below. Written from
-//! the formulas of its section 4; a test holds it to the authors' own program.
+//! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström, M. D. Fairchild, "FLIP: A difference
+//! evaluator for alternating images", Proc. ACM on Computer Graphics and Interactive Techniques 3(2), 2020; *FLIP*
+//! below. Written from the formulas of its section 4; a test holds it to the authors' own program.
 
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
