@@ -3,6 +3,7 @@
 //! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in
 //! range, every number is finite, and no file can make the reader panic or take more memory than
 //! [`LoadOptions::max_memory`].
+//! [`output`] writes pictures, [`read_picture`] reads them back.
 //!
 //! ```
 //! # fn main() -> Result<(), lightmesh_io::Error> {
@@ -28,9 +29,14 @@
 mod budget;
 mod error;
 mod gltf;
+pub mod output;
+mod picture;
+mod picture_error;
 mod scene_file;
 mod warnings;
 
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
+pub use picture::{Encoding, Picture, read_picture};
+pub use picture_error::PictureError;
 pub use scene_file::{LoadOptions, Loaded, Units, load};

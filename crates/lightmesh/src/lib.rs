@@ -27,5 +27,5 @@ pub use progress::{Progress, Stage};
 pub use render::{Frame, render};
 pub use scene::{
     AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, Scene, SceneData, ShapeEntry, Texels,
-    Texture, TextureRef, UvTransform, Wrap,
+    Texture, TextureRef, UvTransform, Wrap, headlight,
 };

@@ -45,6 +45,11 @@ pub enum Interpolation {
     Nearest,
 }
 
+impl Interpolation {
+    /// Radius of the sphere where none is said, in spacings.
+    pub const DEFAULT_RADIUS: f32 = 1.5;
+}
+
 /// Attenuation with distance: φ1 and φ3 of the paper.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Falloff {

@@ -29,7 +29,7 @@ pub(super) enum Neighbourhood {
 impl Neighbourhood {
     pub(super) fn new(method: Method, interpolation: Interpolation) -> Self {
         match interpolation {
-            Interpolation::Auto if method == Method::Paper => Self::Sphere { radius: 1.5 },
+            Interpolation::Auto if method == Method::Paper => Self::Sphere { radius: Interpolation::DEFAULT_RADIUS },
             Interpolation::Auto => Self::Trilinear,
             Interpolation::Trilinear => Self::Trilinear,
             Interpolation::Sphere { radius } => Self::Sphere { radius },

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Affine3A;
 
 use super::{Camera, ImageData, Light, Material, Texture};
-use crate::geometry::{Shape, Sphere, TriangleMesh};
+use crate::geometry::{Aabb, Shape, Sphere, TriangleMesh};
 
 /// A mesh placed in the world.
 #[derive(Clone, Debug)]
@@ -48,4 +48,19 @@ pub struct SceneData {
     pub lights: Vec<Light>,
     /// Cameras of the file.
     pub cameras: Vec<Camera>,
+}
+
+impl SceneData {
+    /// A box around all surfaces, metres, before anything is checked: indices that lead nowhere count as nothing. It may be
+    /// larger than needed where an instance is rotated, as whole boxes of meshes are transformed.
+    pub fn bounds(&self) -> Aabb {
+        let placed = self.instances.iter().filter_map(|instance| {
+            let mesh = self.meshes.get(instance.mesh)?;
+            let used = mesh.triangles.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
+            Some(Aabb::from_points(used.copied()).transformed(&instance.world_from_object))
+        });
+        let spheres = self.spheres.iter().map(Sphere::bounds);
+        let shapes = self.shapes.iter().map(|entry| entry.shape.bounds());
+        placed.chain(spheres).chain(shapes).fold(Aabb::EMPTY, Aabb::union)
+    }
 }

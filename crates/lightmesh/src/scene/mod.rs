@@ -3,6 +3,7 @@
 mod built;
 mod camera;
 mod data;
+mod headlight;
 mod light;
 mod light_samples;
 mod material;
@@ -13,6 +14,7 @@ pub use built::Scene;
 pub(crate) use camera::FilmRays;
 pub use camera::{Camera, Projection};
 pub use data::{Instance, SceneData, ShapeEntry};
+pub use headlight::headlight;
 pub use light::Light;
 pub(crate) use light_samples::{Directions, LightSamples};
 pub use material::{AlphaMode, Material};

@@ -1,4 +1,4 @@
-//! How far one picture is from another.
+//! Differences of linear values.
 
 use glam::Vec3;
 

@@ -1,0 +1,88 @@
+//! What the command line may say.
+
+mod exposure;
+mod falloff;
+mod interpolation;
+mod memory;
+mod method;
+mod render;
+mod size;
+mod spacing;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+pub(crate) use self::{exposure::Exposure, method::name as method_name, render::RenderArgs};
+
+/// Renders scenes lit by many lights, with light meshes.
+#[derive(Debug, Parser)]
+#[command(name = "lightmesh", version, about, after_help = EXIT_CODES, disable_help_subcommand = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed while working; 2 bad input or usage; 130 interrupted.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene into PNG and EXR files
+    Render(Box<RenderArgs>),
+    /// Say what a scene file holds
+    Info(InfoArgs),
+    /// Measure how far picture A is from the reference B
+    Compare(CompareArgs),
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Scene file
+    pub(crate) scene: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Which scene of the file, by name or index [default: the file's own choice]
+    #[arg(long = "scene", value_name = "NAME|INDEX")]
+    pub(crate) scene_name: Option<String>,
+    /// Let the scene's URIs leave its folder
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
+    /// Most memory that reading may take, in B, KB, MB, GB, KiB, MiB or GiB
+    #[arg(long, value_name = "SIZE", default_value = memory::DEFAULT, value_parser = memory::parse)]
+    pub(crate) max_memory: u64,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_NOTES)]
+pub(crate) struct CompareArgs {
+    /// Picture: EXR (channels RGB, RGBA or Y) or PNG (decoded to linear)
+    pub(crate) a: PathBuf,
+    /// Reference, of the same size
+    pub(crate) b: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const COMPARE_NOTES: &str = "\
+relrmse  sqrt(mean of (a - b)^2 over pixels and channels) / mean(b), linear values
+bias     mean(a) / mean(b) - 1
+max      largest |a - b| of a channel
+flip     mean of the FLIP error, 0 to 1, at 67 pixels per degree. An EXR is shown as `render` writes a PNG, exposed as
+         the reference would be by --exposure auto; a PNG is shown as it is.";
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,201 @@
+//! Arguments of `render`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, value_parser};
+use lightmesh::{Falloff, Interpolation, Method, RenderOptions, Spacing};
+use lightmesh_io::{LoadOptions, Units};
+
+use super::{
+    exposure::{self, Exposure},
+    falloff, interpolation, memory,
+    method::{MethodArg, PaperScaleArg},
+    size::{self, Size},
+    spacing,
+};
+
+const EXAMPLES: &str = "\
+Examples:
+  lightmesh render room.glb -o room.png
+  lightmesh render room.glb -o room.exr -o room.png --size 1920x1080 --spp 16 --spacing 1/80 --stats room.json";
+
+/// Everything that `render` may be told. Defaults are those of [`RenderOptions`]; a test holds them together.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct RenderArgs {
+    /// Scene file: .gltf, .glb, .obj or .ply
+    pub(crate) scene: PathBuf,
+
+    /// Picture to write: .png (exposed, tone mapped, sRGB) or .exr (linear cd/m²); may be given several times
+    #[arg(short, long = "output", value_name = "FILE", required = true, help_heading = "Output")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Width and height in pixels [default: 1280 wide, height from the camera's aspect]
+    #[arg(long, value_name = "WxH", value_parser = size::parse, allow_hyphen_values = true, help_heading = "Output")]
+    pub(crate) size: Option<Size>,
+    /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: 18% grey with highlights kept
+    #[arg(long, value_name = "EV|auto", default_value = "auto", value_parser = exposure::parse, allow_hyphen_values = true, help_heading = "Output")]
+    pub(crate) exposure: Exposure,
+    /// Write 16-bit instead of 32-bit floats to EXR files
+    #[arg(long, help_heading = "Output")]
+    pub(crate) half: bool,
+    /// Write seconds, rays, mesh points and memory as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) stats: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(long, short, help_heading = "Output")]
+    pub(crate) quiet: bool,
+
+    /// How light is computed
+    #[arg(long, value_enum, default_value = "mesh", help_heading = "Light")]
+    method: MethodArg,
+    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().spp, value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
+    spp: u32,
+    /// Diffuse interreflections; 0: direct light only; so far --method path alone computes them [default: 3]
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    bounces: Option<u32>,
+    /// Mirror and refraction events that a ray may meet in a row
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().depth, help_heading = "Light")]
+    depth: u32,
+    /// Drop mirrored and refracted rays that carry less than this fraction of the light, 0 to below 1
+    #[arg(long, value_name = "FRACTION", default_value_t = RenderOptions::default().cutoff, value_parser = fraction, allow_hyphen_values = true, help_heading = "Light")]
+    cutoff: f32,
+    /// Attenuation of light with distance: r2 (physical) or C+r, C in metres (the paper's phi 3)
+    #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light")]
+    falloff: Falloff,
+    /// Seed of all randomness
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().seed, help_heading = "Light")]
+    seed: u64,
+
+    /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/40)
+    #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
+    spacing: Spacing,
+    /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);
+    /// auto: trilinear, with --method paper sphere
+    #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
+    interpolation: Interpolation,
+    /// Attenuation inside the direct field of --method paper (phi 1)
+    #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
+    field_falloff: Falloff,
+    /// Scale of the mean in --method paper
+    #[arg(long, value_enum, default_value = "visibility", help_heading = "Light mesh")]
+    paper_scale: PaperScaleArg,
+
+    /// Camera by name or index [default: the first; none in the file: one that frames the scene]
+    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true, help_heading = "Scene")]
+    pub(crate) camera: Option<String>,
+    /// Scene of the file by name or index [default: the file's own choice]
+    #[arg(long = "scene", value_name = "NAME|INDEX", allow_hyphen_values = true, help_heading = "Scene")]
+    scene_name: Option<String>,
+    /// Units of the file's lights: gltf (candela, lux) or blender (its exporter's, 683 times as much)
+    #[arg(long, value_enum, default_value = "gltf", help_heading = "Scene")]
+    units: UnitsArg,
+    /// Let the scene's URIs leave its folder
+    #[arg(long, help_heading = "Scene")]
+    allow_outside: bool,
+
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    pub(crate) threads: Option<u32>,
+    /// Most memory that the render may take, in B, KB, MB, GB, KiB, MiB or GiB; more is an error before allocation
+    #[arg(long, value_name = "SIZE", default_value = memory::DEFAULT, value_parser = memory::parse, allow_hyphen_values = true, help_heading = "Machine")]
+    max_memory: u64,
+}
+
+/// `--units`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum UnitsArg {
+    /// Candela and lux, as the specification says
+    Gltf,
+    /// Blender's exporter: divide punctual lights by 683
+    Blender,
+}
+
+/// Parses `--cutoff`.
+fn fraction(text: &str) -> Result<f32, String> {
+    let value = text.parse().ok().filter(|x: &f32| (0.0..1.0).contains(x));
+    value.ok_or_else(|| "expected a number of at least 0 and below 1".to_owned())
+}
+
+impl RenderArgs {
+    /// The library's options but for the size, which may need the camera.
+    pub(crate) fn options(&self) -> RenderOptions {
+        let default = RenderOptions::default();
+        let method = Method::from(self.method);
+        RenderOptions {
+            method,
+            width: self.size.map_or(default.width, |size| size.width),
+            height: self.size.map_or(default.height, |size| size.height),
+            spp: self.spp,
+            bounces: self.bounces.unwrap_or(default.bounces),
+            depth: self.depth,
+            cutoff: self.cutoff,
+            spacing: self.spacing,
+            interpolation: self.interpolation,
+            field_falloff: self.field_falloff,
+            falloff: self.falloff,
+            paper_scale: self.paper_scale.into(),
+            seed: self.seed,
+            max_memory: self.max_memory,
+        }
+    }
+
+    /// How the scene file is read.
+    pub(crate) fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            units: match self.units {
+                UnitsArg::Gltf => Units::Gltf,
+                UnitsArg::Blender => Units::Blender,
+            },
+            allow_outside: self.allow_outside,
+            scene: self.scene_name.clone(),
+            max_memory: self.max_memory,
+        }
+    }
+
+    /// Whether interreflections were asked for by name.
+    pub(crate) fn wants_bounces(&self) -> bool {
+        self.bounces.is_some_and(|n| n > 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::{
+        super::{Cli, Command},
+        *,
+    };
+
+    fn parse(args: &[&str]) -> Result<Box<RenderArgs>, clap::Error> {
+        let all = ["lightmesh", "render", "a.glb", "-o", "a.png"].iter().chain(args);
+        Cli::try_parse_from(all).map(|cli| match cli.command {
+            Command::Render(args) => args,
+            _ => unreachable!("render was asked for"),
+        })
+    }
+
+    /// Nothing said: the library's defaults, all of them.
+    #[test]
+    fn defaults_are_the_librarys() {
+        assert_eq!(parse(&[]).unwrap().options(), RenderOptions::default());
+    }
+
+    #[test]
+    fn negative_values_reach_their_parsers() {
+        for (flag, value) in [("--spacing", "-1"), ("--cutoff", "-0.5"), ("--size", "-1x2"), ("--falloff", "-1+r")] {
+            let message = parse(&[flag, value]).unwrap_err().to_string();
+            assert!(message.contains(flag) && message.contains("invalid value"), "{message}");
+        }
+        assert_eq!(parse(&["--exposure", "-3.5"]).unwrap().exposure, Exposure::Ev(-3.5));
+    }
+
+    /// Flags of later versions are unknown, not ignored.
+    #[test]
+    fn what_is_not_there_yet_is_refused() {
+        for flag in ["--gather-rays", "--light-radius", "--aov", "--error", "--rays", "--environment"] {
+            assert!(parse(&[flag, "1"]).is_err(), "{flag}");
+        }
+    }
+}

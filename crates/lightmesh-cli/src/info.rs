@@ -1,0 +1,179 @@
+//! `lightmesh info`.
+
+use lightmesh::{Camera, ImageData, Light, Projection, Scene, SceneData, Texels};
+use lightmesh_io::LoadOptions;
+use serde::Serialize;
+
+use crate::{args::InfoArgs, exit::Failure, terminal};
+
+/// What a scene file holds.
+#[derive(Debug, Serialize)]
+struct Info {
+    scene: String,
+    triangles: Triangles,
+    meshes: usize,
+    instances: usize,
+    spheres: usize,
+    materials: usize,
+    emissive_materials: usize,
+    textures: Vec<TextureInfo>,
+    lights: Lights,
+    cameras: Vec<CameraInfo>,
+    r#box: BoxInfo,
+    warnings: Vec<String>,
+}
+
+/// Triangles as stored, and as seen with every instance.
+#[derive(Debug, Serialize)]
+struct Triangles {
+    unique: u64,
+    instanced: u64,
+}
+
+/// An image.
+#[derive(Debug, Serialize)]
+struct TextureInfo {
+    name: String,
+    width: u32,
+    height: u32,
+    bytes: u64,
+}
+
+/// Lights by type.
+#[derive(Debug, Default, Serialize)]
+struct Lights {
+    point: usize,
+    spot: usize,
+    directional: usize,
+}
+
+/// A camera.
+#[derive(Debug, Serialize)]
+struct CameraInfo {
+    index: usize,
+    name: String,
+    r#type: &'static str,
+    /// Vertical field of view; `null` for parallel rays.
+    yfov_degrees: Option<f64>,
+    /// Height of the view; `null` for a pinhole.
+    height_m: Option<f64>,
+    aspect: f64,
+}
+
+/// The box around everything, metres.
+#[derive(Debug, Serialize)]
+struct BoxInfo {
+    min: [f32; 3],
+    max: [f32; 3],
+    size: [f32; 3],
+}
+
+/// Reads the scene and says what it holds.
+pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let options = LoadOptions {
+        allow_outside: args.allow_outside,
+        scene: args.scene_name.clone(),
+        max_memory: args.max_memory,
+        ..LoadOptions::default()
+    };
+    let name = args.scene.display().to_string();
+    let loaded = lightmesh_io::load(&args.scene, &options).map_err(Failure::input)?;
+    let scene =
+        Scene::new(loaded.data).map_err(|error| Failure::Input(anyhow::Error::new(error).context(name.clone())))?;
+    let mut warnings = loaded.warnings;
+    warnings.extend_from_slice(scene.warnings());
+    let info = gather(name, &scene, warnings);
+    let text = if args.json { serde_json::to_string_pretty(&info).map_err(Failure::work)? } else { describe(&info) };
+    terminal::print(&text).map_err(Failure::work)
+}
+
+/// Counts everything.
+fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
+    let data = scene.data();
+    let bounds = scene.bounds();
+    Info {
+        scene: name,
+        triangles: count_triangles(data),
+        meshes: data.meshes.len(),
+        instances: data.instances.len(),
+        spheres: data.spheres.len(),
+        materials: data.materials.len(),
+        emissive_materials: data.materials.iter().filter(|m| m.emission.max_element() > 0.0).count(),
+        textures: data.images.iter().map(texture).collect(),
+        lights: count_lights(&data.lights),
+        cameras: data.cameras.iter().enumerate().map(|(index, c)| camera(index, c)).collect(),
+        r#box: BoxInfo { min: bounds.min.to_array(), max: bounds.max.to_array(), size: bounds.size().to_array() },
+        warnings,
+    }
+}
+
+fn count_triangles(data: &SceneData) -> Triangles {
+    let of = |mesh: usize| data.meshes.get(mesh).map_or(0, |m| m.triangles.len() as u64);
+    Triangles {
+        unique: data.meshes.iter().map(|m| m.triangles.len() as u64).sum(),
+        instanced: data.instances.iter().map(|i| of(i.mesh)).sum(),
+    }
+}
+
+fn texture(image: &ImageData) -> TextureInfo {
+    let bytes_per_texel = match image.texels {
+        Texels::Rgba8(_) => 4,
+        Texels::Rgba32F(_) => 16,
+    };
+    let bytes = u64::from(image.width) * u64::from(image.height) * bytes_per_texel;
+    TextureInfo { name: image.name.clone(), width: image.width, height: image.height, bytes }
+}
+
+fn count_lights(lights: &[Light]) -> Lights {
+    let mut counts = Lights::default();
+    for light in lights {
+        match light {
+            Light::Point { .. } => counts.point += 1,
+            Light::Spot { .. } => counts.spot += 1,
+            Light::Directional { .. } => counts.directional += 1,
+        }
+    }
+    counts
+}
+
+fn camera(index: usize, camera: &Camera) -> CameraInfo {
+    let (r#type, yfov_degrees, height_m) = match camera.projection {
+        Projection::Perspective { yfov, .. } => ("perspective", Some(f64::from(yfov).to_degrees()), None),
+        Projection::Orthographic { ymag, .. } => ("orthographic", None, Some(2.0 * f64::from(ymag))),
+    };
+    CameraInfo { index, name: camera.name.clone(), r#type, yfov_degrees, height_m, aspect: camera.aspect().into() }
+}
+
+/// The text form: one fact per line.
+fn describe(info: &Info) -> String {
+    let Info { triangles, lights, .. } = info;
+    let mut lines = vec![
+        info.scene.clone(),
+        format!("triangles  {} ({} with instances)", triangles.unique, triangles.instanced),
+        format!("meshes     {}, {} instances", info.meshes, info.instances),
+        format!("materials  {}, {} emissive", info.materials, info.emissive_materials),
+        format!("lights     {} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
+        format!("box        {} to {}, {} m", triple(info.r#box.min), triple(info.r#box.max), triple(info.r#box.size)),
+    ];
+    if info.spheres > 0 {
+        lines.push(format!("spheres    {}", info.spheres));
+    }
+    for texture in &info.textures {
+        let name = if texture.name.is_empty() { "(unnamed)" } else { &texture.name };
+        lines.push(format!("texture    {name}, {}x{}", texture.width, texture.height));
+    }
+    for camera in &info.cameras {
+        let lens = match (camera.yfov_degrees, camera.height_m) {
+            (Some(degrees), _) => format!("{degrees:.1} degrees high"),
+            (None, height) => format!("{} m high", height.unwrap_or(0.0)),
+        };
+        let (index, name, kind, aspect) = (camera.index, &camera.name, camera.r#type, camera.aspect);
+        lines.push(format!("camera     {index} {name:?}, {kind}, {lens}, aspect {aspect:.3}"));
+    }
+    lines.extend(info.warnings.iter().map(|warning| format!("warning    {warning}")));
+    lines.join("\n")
+}
+
+fn triple([x, y, z]: [f32; 3]) -> String {
+    format!("({x:.3}, {y:.3}, {z:.3})")
+}

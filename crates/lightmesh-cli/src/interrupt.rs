@@ -1,0 +1,56 @@
+//! Ctrl-C.
+
+use std::{
+    fs,
+    path::PathBuf,
+    process,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+    time::Duration,
+};
+
+use crate::exit::INTERRUPTED;
+
+/// Whether Ctrl-C was pressed.
+static PRESSED: AtomicBool = AtomicBool::new(false);
+/// Files to remove where the program ends by the watchdog.
+static TEMPORARIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// What the work gets to end by itself. A second in all is the promise.
+const GRACE: Duration = Duration::from_millis(600);
+
+/// Listens for Ctrl-C (and SIGTERM). The first asks the work to stop, and ends the program itself after a grace, where a
+/// reader or writer does not listen; the second ends it at once. Where the system has no signals to listen to, nothing is
+/// done: its own way of ending a program stays.
+pub(crate) fn listen() {
+    let _ = ctrlc::set_handler(|| {
+        if PRESSED.swap(true, Ordering::Relaxed) {
+            end();
+        }
+        // The handler itself stays free for the second press.
+        thread::spawn(|| {
+            thread::sleep(GRACE);
+            end();
+        });
+    });
+}
+
+/// Whether the work should stop.
+pub(crate) fn pressed() -> bool {
+    PRESSED.load(Ordering::Relaxed)
+}
+
+/// Has `path` removed where the program is ended.
+pub(crate) fn remove_at_end(path: PathBuf) {
+    TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner).push(path);
+}
+
+/// Removes the temporaries and ends the program.
+fn end() -> ! {
+    for path in TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        let _ = fs::remove_file(path);
+    }
+    process::exit(INTERRUPTED.into())
+}

@@ -1,0 +1,79 @@
+//! The files that a render leaves.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
+
+use anyhow::anyhow;
+use lightmesh::Image;
+use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
+
+use crate::{exit::Failure, interrupt};
+
+/// Where pictures and statistics go, checked before any work is done.
+#[derive(Debug)]
+pub(crate) struct Outputs {
+    pictures: Vec<(PathBuf, Format)>,
+    stats: Option<PathBuf>,
+}
+
+impl Outputs {
+    /// Checks each extension, that no file is named twice, and that each can be created.
+    pub(crate) fn check(pictures: &[PathBuf], stats: Option<&Path>) -> Result<Self, Failure> {
+        let formats = pictures.iter().map(|path| Ok((path.clone(), Format::of(path).map_err(Failure::input)?)));
+        let outputs = Self { pictures: formats.collect::<Result<_, Failure>>()?, stats: stats.map(Path::to_owned) };
+        let all: Vec<&Path> = pictures.iter().map(PathBuf::as_path).chain(stats).collect();
+        for (i, path) in all.iter().enumerate() {
+            if all[..i].contains(path) {
+                return Err(Failure::Input(anyhow!("{}: named twice as an output", path.display())));
+            }
+            // Created and dropped: what can be found out about the place now should not cost a render.
+            StagedFile::create(path).map_err(Failure::input)?;
+        }
+        Ok(outputs)
+    }
+
+    /// Whether any picture needs an exposure.
+    pub(crate) fn has_png(&self) -> bool {
+        self.pictures.iter().any(|(_, format)| *format == Format::Png)
+    }
+
+    /// Writes every picture under a temporary name.
+    pub(crate) fn stage_pictures(
+        &self,
+        image: &Image,
+        ev: f32,
+        precision: Precision,
+        metadata: &Metadata,
+    ) -> Result<Vec<StagedFile>, Failure> {
+        self.pictures
+            .iter()
+            .map(|(path, format)| {
+                stage(path, |file| match format {
+                    Format::Png => write_png(file, image, ev, metadata),
+                    Format::Exr => write_exr(file, image, precision, metadata),
+                })
+            })
+            .collect()
+    }
+
+    /// Writes the statistics, if they are wanted, under a temporary name.
+    pub(crate) fn stage_stats(&self, json: &str) -> Result<Option<StagedFile>, Failure> {
+        let write = |path| stage(path, |file| io::Write::write_all(file, json.as_bytes()));
+        self.stats.as_deref().map(write).transpose()
+    }
+}
+
+/// Gives every staged file its name.
+pub(crate) fn commit(files: impl IntoIterator<Item = StagedFile>) -> Result<(), Failure> {
+    files.into_iter().try_for_each(|file| file.commit().map_err(Failure::work))
+}
+
+/// Creates a file under a temporary name and fills it; an unfinished one is removed, also by Ctrl-C.
+fn stage(target: &Path, write: impl FnOnce(&mut StagedFile) -> io::Result<()>) -> Result<StagedFile, Failure> {
+    let mut file = StagedFile::create(target).map_err(Failure::work)?;
+    interrupt::remove_at_end(file.temporary().to_owned());
+    write(&mut file).map_err(|error| Failure::Work(anyhow!(error).context(target.display().to_string())))?;
+    Ok(file)
+}

@@ -1,0 +1,83 @@
+//! The progress bar.
+
+use std::{
+    io::IsTerminal,
+    sync::{Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use lightmesh::{Progress, Stage};
+
+use crate::interrupt;
+
+/// Shows the stage, how far it is, rays per second and the time left, on stderr if it is a terminal; carries Ctrl-C to
+/// the work.
+pub(crate) struct Bar {
+    bar: ProgressBar,
+    stage: Mutex<Option<(Stage, Instant)>>,
+}
+
+impl Bar {
+    /// A bar, or nothing but the way for Ctrl-C where stderr is no terminal or `quiet` is set.
+    pub(crate) fn new(quiet: bool) -> Self {
+        let bar =
+            if quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        Self { bar, stage: Mutex::new(None) }
+    }
+
+    /// Shows work whose length is not known.
+    pub(crate) fn spin(&self, what: &'static str) {
+        self.bar.set_style(ProgressStyle::default_spinner());
+        self.bar.set_message(what);
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    /// Takes the bar away; call before anything else is written to stderr.
+    pub(crate) fn clear(&self) {
+        self.bar.disable_steady_tick();
+        self.bar.finish_and_clear();
+    }
+
+    /// When `stage` began; changes the bar's look where it begins now.
+    fn begin(&self, stage: Stage) -> Instant {
+        let mut current = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        match *current {
+            Some((known, since)) if known == stage => since,
+            _ => {
+                let now = Instant::now();
+                *current = Some((stage, now));
+                let template = "{prefix} [{bar:30}] {percent}% {msg} {eta} left";
+                let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+                self.bar.disable_steady_tick();
+                self.bar.reset();
+                self.bar.set_style(style.progress_chars("=> "));
+                self.bar.set_message("");
+                self.bar.set_prefix(match stage {
+                    Stage::Build => "building",
+                    Stage::Render => "rendering",
+                    _ => "working",
+                });
+                now
+            }
+        }
+    }
+}
+
+impl Progress for Bar {
+    fn report(&self, stage: Stage, done: u64, total: u64, rays: u64) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        let seconds = self.begin(stage).elapsed().as_secs_f64();
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        if seconds > 0.1 {
+            self.bar.set_message(format!("{:.2} million rays/s", rays as f64 / seconds * 1e-6));
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::pressed()
+    }
+}

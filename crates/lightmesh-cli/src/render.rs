@@ -1,0 +1,195 @@
+//! `lightmesh render`.
+
+use std::time::Instant;
+
+use anyhow::Context;
+use lightmesh::{Camera, LightMesh, Method, RenderOptions, Scene, SceneData, headlight};
+use lightmesh_io::output::{Metadata, Precision, auto_exposure};
+
+use crate::{
+    args::{Exposure, RenderArgs, method_name},
+    camera_choice,
+    exit::Failure,
+    interrupt,
+    outputs::{self, Outputs},
+    progress::Bar,
+    settings,
+    stats::{self, ImageStats, SecondsStats, Stats},
+    terminal,
+};
+
+/// Renders one picture into all its files.
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let warn = |message: &str| {
+        if !args.quiet {
+            terminal::warning(message);
+        }
+    };
+
+    // Refuse what can be refused before any work.
+    let mut options = args.options();
+    options.validate()?;
+    if args.size.is_some() {
+        check_picture_memory(&options)?;
+    }
+    let outputs = Outputs::check(&args.output, args.stats.as_deref())?;
+    if args.wants_bounces() && options.method != Method::Path {
+        warn(&format!("--bounces: --method {} renders direct light so far", method_name(options.method)));
+    }
+    interrupt::listen();
+    if let Some(threads) = args.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+        pool.build_global().context("threads").map_err(Failure::Work)?;
+    }
+    let bar = Bar::new(args.quiet);
+
+    // Read the scene.
+    bar.spin("reading the scene");
+    let loaded = lightmesh_io::load(&args.scene, &args.load_options()).map_err(Failure::input);
+    bar.clear();
+    let loaded = loaded?;
+    stop_if_interrupted()?;
+    let load = start.elapsed();
+    loaded.warnings.iter().for_each(|w| warn(w));
+
+    // Build it; a scene without light needs its camera's, and the camera may need the scene's box.
+    let build_start = Instant::now();
+    bar.spin("building");
+    let built = build(loaded.data, args.camera.as_deref());
+    bar.clear();
+    let Built { scene, camera, warnings } =
+        built.map_err(|failure| name_the_file(failure, &args.scene.display().to_string()))?;
+    stop_if_interrupted()?;
+    let build = build_start.elapsed();
+    scene.warnings().iter().chain(&warnings).for_each(|w| warn(w));
+
+    // Render.
+    if args.size.is_none() {
+        options.height = camera_choice::height_for(&camera, options.width);
+    }
+    check_picture_memory(&options)?;
+    let mut mesh = LightMesh::new(&scene, &options)?;
+    let frame = lightmesh::render(&scene, &camera, &options, &mut mesh, &bar);
+    bar.clear();
+    let frame = frame?;
+    stop_if_interrupted()?;
+
+    // Write every file under a temporary name, then give all of them theirs.
+    let output_start = Instant::now();
+    let ev = match args.exposure {
+        Exposure::Ev(ev) => ev,
+        Exposure::Auto => auto_exposure(&frame.image.pixels),
+    };
+    let metadata = Metadata {
+        software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
+        method: method_name(options.method).to_owned(),
+        scene: args.scene.display().to_string(),
+        settings: settings::json(&options, args.load_options().units, &camera.name),
+        seconds: frame.stats.seconds.render,
+        spp: options.spp,
+        camera,
+    };
+    let precision = if args.half { Precision::Half } else { Precision::Single };
+    let pictures = outputs.stage_pictures(&frame.image, ev, precision, &metadata)?;
+    let stats = Stats {
+        version: env!("CARGO_PKG_VERSION"),
+        method: method_name(options.method),
+        scene: metadata.scene,
+        threads: rayon::current_num_threads(),
+        image: ImageStats { width: options.width, height: options.height, spp: options.spp },
+        triangles: scene.triangle_count(),
+        lights: scene.data().lights.len() as u64,
+        light_samples: scene.light_sample_count(),
+        seconds: SecondsStats {
+            load: load.as_secs_f64(),
+            build: build.as_secs_f64(),
+            output: output_start.elapsed().as_secs_f64(),
+            total: start.elapsed().as_secs_f64(),
+            ..SecondsStats::of(&frame.stats)
+        },
+        rays: frame.stats.rays.into(),
+        mesh: (&frame.stats).into(),
+        estimated_error: None,
+        peak_memory_bytes: stats::peak_memory_bytes(),
+    };
+    let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;
+    let stats_file = outputs.stage_stats(&(json + "\n"))?;
+    stop_if_interrupted()?;
+    outputs::commit(pictures.into_iter().chain(stats_file))?;
+
+    if !args.quiet {
+        let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
+        let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
+        terminal::note(&format!(
+            "{} in {:.2} s ({:.2} s of it rendering){exposure}",
+            names.join(", "),
+            start.elapsed().as_secs_f64(),
+            frame.stats.seconds.render
+        ));
+    }
+    Ok(())
+}
+
+/// A scene that can be rendered, and from where.
+struct Built {
+    scene: Scene,
+    camera: Camera,
+    warnings: Vec<String>,
+}
+
+/// Chooses the camera, lights the scene from there if nothing else does, and builds it.
+fn build(mut data: SceneData, wanted: Option<&str>) -> Result<Built, Failure> {
+    let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
+    let mut warnings: Vec<String> = warning.into_iter().collect();
+    if data.lights.is_empty() && emits(&data) {
+        warnings.push(
+            "the file has emissive materials and no lights: emission is seen, but only --method path lights by it"
+                .to_owned(),
+        );
+    } else if data.lights.is_empty() {
+        warnings.push("the file has no lights and nothing emits: lighting it from the camera".to_owned());
+        let light = headlight(&camera, &data.bounds());
+        data.lights.push(light);
+    }
+    Ok(Built { scene: Scene::new(data)?, camera, warnings })
+}
+
+/// Says which file bad input is about; the core does not know it.
+fn name_the_file(failure: Failure, scene: &str) -> Failure {
+    match failure {
+        Failure::Input(error) => Failure::Input(error.context(scene.to_owned())),
+        other => other,
+    }
+}
+
+/// Ends here after Ctrl-C.
+fn stop_if_interrupted() -> Result<(), Failure> {
+    if interrupt::pressed() { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// Whether a surface of the scene emits light.
+fn emits(data: &SceneData) -> bool {
+    let meshes = data.instances.iter().filter_map(|i| data.meshes.get(i.mesh)).map(|mesh| mesh.material);
+    let spheres = data.spheres.iter().map(|sphere| sphere.material);
+    let shapes = data.shapes.iter().map(|shape| shape.material);
+    let mut used = meshes.chain(spheres).chain(shapes).filter_map(|m| data.materials.get(m));
+    used.any(|material| material.emission.max_element() > 0.0)
+}
+
+/// Refuses a picture that would not fit, before anything is read or allocated.
+fn check_picture_memory(options: &RenderOptions) -> Result<(), lightmesh::Error> {
+    // The linear picture (f32 RGB) and its 8-bit copy for a PNG.
+    const BYTES_PER_PIXEL: u64 = 12 + 3;
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL);
+    if needed_bytes <= options.max_memory {
+        return Ok(());
+    }
+    Err(lightmesh::Error::OutOfMemory {
+        what: "a picture of this size",
+        needed_bytes,
+        limit_bytes: options.max_memory,
+        advice: "lower --size",
+    })
+}

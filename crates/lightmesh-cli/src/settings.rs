@@ -1,0 +1,94 @@
+//! The settings of a render as a picture file keeps them.
+
+use lightmesh::{Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
+use lightmesh_io::Units;
+use serde_json::json;
+
+use crate::args::method_name;
+
+/// A JSON object with every option, spelled as the command line spells it.
+pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> String {
+    let RenderOptions {
+        method,
+        width,
+        height,
+        spp,
+        bounces,
+        depth,
+        cutoff,
+        spacing,
+        interpolation,
+        field_falloff,
+        falloff,
+        paper_scale,
+        seed,
+        max_memory,
+    } = options;
+    json!({
+        "method": method_name(*method),
+        "size": format!("{width}x{height}"),
+        "spp": spp,
+        "bounces": bounces,
+        "depth": depth,
+        "cutoff": cutoff.to_string(),
+        "spacing": match spacing {
+            Spacing::Auto => "auto".to_owned(),
+            Spacing::Fraction(k) => format!("1/{k}"),
+            Spacing::Metres(metres) => metres.to_string(),
+        },
+        "interpolation": match interpolation {
+            Interpolation::Auto => "auto".to_owned(),
+            Interpolation::Trilinear => "trilinear".to_owned(),
+            Interpolation::Sphere { radius } => format!("sphere:{radius}"),
+            Interpolation::Nearest => "nearest".to_owned(),
+        },
+        "field-falloff": spell_falloff(*field_falloff),
+        "falloff": spell_falloff(*falloff),
+        "paper-scale": match paper_scale {
+            PaperScale::Visibility => "visibility",
+            PaperScale::Constant => "constant",
+        },
+        "seed": seed,
+        "max-memory": max_memory,
+        "units": match units {
+            Units::Gltf => "gltf",
+            Units::Blender => "blender",
+        },
+        "camera": camera,
+    })
+    .to_string()
+}
+
+fn spell_falloff(falloff: Falloff) -> String {
+    match falloff {
+        Falloff::InverseSquare => "r2".to_owned(),
+        Falloff::ConstantPlusDistance { constant } => format!("{constant}+r"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_spelled_as_on_the_command_line() {
+        let options = RenderOptions {
+            spacing: Spacing::Fraction(80.0),
+            falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
+            interpolation: Interpolation::Sphere { radius: 2.5 },
+            ..RenderOptions::default()
+        };
+        let text = json(&options, Units::Blender, "hall");
+        for part in [
+            r#""spacing":"1/80""#,
+            r#""falloff":"0.1+r""#,
+            r#""interpolation":"sphere:2.5""#,
+            r#""size":"1280x720""#,
+            r#""camera":"hall""#,
+            r#""cutoff":"0.001""#,
+            r#""units":"blender""#,
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+}

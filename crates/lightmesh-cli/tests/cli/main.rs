@@ -1,0 +1,7 @@
+//! The program from the outside: what is typed, what comes back.
+
+mod compare;
+#[cfg(unix)]
+mod interrupt;
+mod place;
+mod render;

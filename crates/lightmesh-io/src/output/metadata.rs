@@ -1,0 +1,22 @@
+//! What a picture file says about its making.
+
+use lightmesh::Camera;
+
+/// Written into picture files.
+#[derive(Clone, Debug)]
+pub struct Metadata {
+    /// Program and version, as in `lightmesh 0.1.0`.
+    pub software: String,
+    /// How light was computed, as `--method` spells it.
+    pub method: String,
+    /// The scene file as the user named it.
+    pub scene: String,
+    /// Every setting, as a JSON object.
+    pub settings: String,
+    /// Seconds between the built scene and the finished picture.
+    pub seconds: f64,
+    /// Samples per pixel.
+    pub spp: u32,
+    /// The camera that took the picture.
+    pub camera: Camera,
+}

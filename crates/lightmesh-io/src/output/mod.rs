@@ -1,0 +1,30 @@
+//! Finished pictures into files: PNG to look at, EXR to compute with.
+//!
+//! | | PNG | EXR |
+//! |---|---|---|
+//! | values | exposed, tone mapped, sRGB | linear cd/m² |
+//! | bits per channel | 8 | 32-bit float, or 16-bit |
+//! | carries | program, method, scene, settings, exposure | the same, seconds, samples, camera matrices |
+//!
+//! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a render
+//! took stand in the EXR.
+
+mod exposure;
+mod exr;
+mod format;
+mod metadata;
+mod png;
+mod srgb;
+mod staged;
+mod tone_map;
+
+pub use self::{
+    exposure::auto_exposure,
+    exr::{Precision, write_exr},
+    format::Format,
+    metadata::Metadata,
+    png::write_png,
+    srgb::{linear_from_srgb, srgb_from_linear},
+    staged::StagedFile,
+    tone_map::{expose, tone_map},
+};
