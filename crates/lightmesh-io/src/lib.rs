@@ -28,6 +28,10 @@ mod budget;
 mod error;
 mod gltf;
 mod load;
+mod obj;
+mod ply;
+mod polygon;
+mod srgb;
 mod warnings;
 
 pub use error::Error;

@@ -8,7 +8,7 @@ use lightmesh::SceneData;
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
-use crate::gltf;
+use crate::{gltf, obj, ply};
 
 /// What the numbers of punctual lights mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub struct Loaded {
 }
 
 /// What [`load`] reads, for messages.
-const READABLE: &str = "glTF 2.0 (.gltf, .glb)";
+const READABLE: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary glTF.
 ///
@@ -61,24 +61,29 @@ const READABLE: &str = "glTF 2.0 (.gltf, .glb)";
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let file = path.display().to_string();
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let is_gltf = match extension.as_str() {
-        "gltf" | "glb" => true,
-        _ => starts_as_glb(path, &file)?,
+    let reader: Reader = match extension.as_str() {
+        "gltf" | "glb" => gltf::read,
+        "obj" => obj::read,
+        "ply" => ply::read,
+        _ if starts_as_glb(path, &file)? => gltf::read,
+        other => {
+            let what = match other {
+                "" => "has no extension and does not begin as a binary glTF".to_owned(),
+                _ => one_line(format_args!("files of kind \".{other}\" are not read")),
+            };
+            return Err(Error::UnknownFormat { file: one_line(file), what, readable: READABLE });
+        }
     };
-    if !is_gltf {
-        let what = match extension.as_str() {
-            "" => "has no extension and does not begin as a binary glTF".to_owned(),
-            other => one_line(format_args!("files of kind \".{other}\" are not read")),
-        };
-        return Err(Error::UnknownFormat { file: one_line(file), what, readable: READABLE });
-    }
 
     let mut budget = Budget::new(options.max_memory);
     let bytes = read_file(path, &file, &mut budget)?;
     // A relative path without a folder lies in the current one.
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    gltf::read(&file, &bytes, Some(folder), options, budget)
+    reader(&file, &bytes, Some(folder), options, budget)
 }
+
+/// Turns a file's name, bytes and folder into a scene, with what the file itself has left of the budget.
+type Reader = fn(&str, &[u8], Option<&Path>, &LoadOptions, Budget) -> Result<Loaded, Error>;
 
 /// Whether the file has the magic bytes of a binary glTF.
 fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {

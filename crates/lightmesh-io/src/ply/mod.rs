@@ -16,22 +16,30 @@ mod vertices;
 #[cfg(test)]
 mod tests;
 
+use std::path::Path;
+
 use glam::{Affine3A, Vec3};
 use lightmesh::geometry::TriangleMesh;
 use lightmesh::{Instance, Material, SceneData};
 
 use self::body::Body;
 use self::header::{Element, Kind};
-use crate::Loaded;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
 use crate::warnings::Warnings;
+use crate::{LoadOptions, Loaded};
 
-/// Reads a PLY file that is in memory; `file` is its name for messages.
+/// Reads a PLY file that is in memory; `file` is its name for messages. It refers to no other file and has no lights.
 ///
 /// # Errors
 /// As [`load`](crate::load).
-pub(crate) fn read(file: &str, bytes: &[u8], mut budget: Budget) -> Result<Loaded, Error> {
+pub(crate) fn read(
+    file: &str,
+    bytes: &[u8],
+    _folder: Option<&Path>,
+    _options: &LoadOptions,
+    mut budget: Budget,
+) -> Result<Loaded, Error> {
     let header = header::parse(file, bytes)?;
     let mut body = Body::new(file, bytes, &header);
     let mut warnings = Warnings::default();

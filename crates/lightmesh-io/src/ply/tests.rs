@@ -62,7 +62,7 @@ fn binary(big_endian: bool) -> Vec<u8> {
 }
 
 fn load(bytes: &[u8]) -> Result<Loaded, Error> {
-    read("test.ply", bytes, Budget::new(LIMIT))
+    read("test.ply", bytes, None, &LoadOptions::default(), Budget::new(LIMIT))
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn records_of_nothing_are_not_counted() {
 
 #[test]
 fn memory_is_paid_before_it_is_taken() {
-    let error = read("test.ply", &binary(false), Budget::new(100)).unwrap_err();
+    let error = read("test.ply", &binary(false), None, &LoadOptions::default(), Budget::new(100)).unwrap_err();
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
 }
 
