@@ -46,11 +46,13 @@ impl<'a> Body<'a> {
 
     /// The next number as a count or an index: whole, and 0 or more.
     pub(super) fn whole(&mut self, scalar: Scalar) -> Result<u64, Error> {
-        let place = self.place();
+        let start = self.place();
         let value = self.number(scalar)?;
         if value >= 0.0 && value <= f64::from(u32::MAX) && value == value.trunc() {
             return Ok(value as u64);
         }
+        // A text's number may stand some lines further down.
+        let place = if self.encoding == Encoding::Ascii { self.place() } else { start };
         let what = format!("{value} is no index or count: it must be a whole number, 0 or more; the file is damaged");
         Err(Error::Invalid { file: one_line(self.file), place, what })
     }

@@ -5,7 +5,7 @@
 //! sRGB, in floats linear. Everything else is passed over. A PLY has no material: the surface is white Lambert, and the
 //! vertex colours are its albedo.
 //!
-//! Our own parser: `ply-rs-bw` 4.0 refuses numbers such as `.5` and `nan`, keeps a map per vertex, and makes as many
+//! Our own parser: `ply-rs-bw` 4.0.1 refuses numbers such as `.5` and `2.`, keeps a map per vertex by default, and makes as many
 //! records as a header asks for if they have no properties.
 
 mod body;
