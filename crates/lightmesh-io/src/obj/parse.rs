@@ -159,11 +159,30 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
         context.spend(line, 1, size_of::<Corner>() + size_of::<usize>())?;
         let mut fields = word.split('/');
         let (v, vt, vn) = (fields.next().unwrap_or(""), fields.next().unwrap_or(""), fields.next().unwrap_or(""));
-        let Some(position) = index(context, line, v, "vertex", obj.positions.len())? else {
-            return Err(context.syntax(line, format_args!("{word:?} is no corner of a face")));
+        let position = match index(context, line, v, obj.positions.len())? {
+            Index::At(position) => position,
+            Index::Missing => return Err(context.syntax(line, format_args!("{word:?} is no corner of a face"))),
+            Index::Outside => {
+                let what =
+                    format!("refers to vertex {v}, but there are {} so far; the file is damaged", obj.positions.len());
+                return Err(context.invalid(line, what));
+            }
         };
-        let uv = index(context, line, vt, "texture coordinate", obj.uvs.len())?;
-        let normal = index(context, line, vn, "normal", obj.normals.len())?;
+        // Some exporters miscount what only a part of the meshes has: the shape is good all the same.
+        let mut optional = |word, count, what| {
+            Ok(match index(context, line, word, count)? {
+                Index::At(i) => Some(i),
+                Index::Missing => None,
+                Index::Outside => {
+                    context.warnings.add(format_args!("line {line}"), what);
+                    None
+                }
+            })
+        };
+        let uv =
+            optional(vt, obj.uvs.len(), "a corner refers to a texture coordinate that is not there: taken as (0, 0)")?;
+        let normal =
+            optional(vn, obj.normals.len(), "a corner refers to a normal that is not there: taken from the face")?;
         obj.parts[part].corners.push(Corner { position, uv, normal });
     }
     let part = &mut obj.parts[part];
@@ -176,20 +195,25 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
     Ok(())
 }
 
-/// An index from 1, or from −1 backwards, among `count` items so far; `None` where the word is empty.
-fn index(context: &Context<'_>, line: usize, word: &str, kind: &str, count: usize) -> Result<Option<u32>, Error> {
+/// What a corner's field refers to.
+enum Index {
+    /// An item, counted from 0.
+    At(u32),
+    /// The field is empty.
+    Missing,
+    /// No item so far.
+    Outside,
+}
+
+/// An index from 1, or from −1 backwards, among `count` items so far.
+fn index(context: &Context<'_>, line: usize, word: &str, count: usize) -> Result<Index, Error> {
     if word.is_empty() {
-        return Ok(None);
+        return Ok(Index::Missing);
     }
     let Ok(number) = word.parse::<i64>() else {
-        return Err(context.syntax(line, format_args!("{word:?} is no index of a {kind}")));
+        return Err(context.syntax(line, format_args!("{word:?} is no index")));
     };
-    let index = if number < 0 { number.checked_add(count as i64) } else { number.checked_sub(1) };
-    match index.and_then(|i| usize::try_from(i).ok()).filter(|&i| i < count).and_then(|i| u32::try_from(i).ok()) {
-        Some(index) => Ok(Some(index)),
-        None => {
-            let what = format!("refers to {kind} {number}, but there are {count} so far; the file is damaged");
-            Err(context.invalid(line, what))
-        }
-    }
+    let from_start = if number < 0 { number.checked_add(count as i64) } else { number.checked_sub(1) };
+    let inside = from_start.and_then(|i| usize::try_from(i).ok()).filter(|&i| i < count);
+    Ok(inside.and_then(|i| u32::try_from(i).ok()).map_or(Index::Outside, Index::At))
 }
