@@ -29,10 +29,14 @@
 mod budget;
 mod error;
 mod gltf;
+mod obj;
 pub mod output;
 mod picture;
 mod picture_error;
+mod ply;
+mod polygon;
 mod scene_file;
+mod srgb;
 mod warnings;
 
 pub use error::Error;

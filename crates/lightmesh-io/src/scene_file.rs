@@ -8,7 +8,7 @@ use lightmesh::SceneData;
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
-use crate::gltf;
+use crate::{gltf, obj, ply};
 
 /// What the numbers of punctual lights mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub struct Loaded {
 }
 
 /// What [`load`] reads, for messages.
-const READABLE: &str = "glTF 2.0 (.gltf, .glb)";
+const READABLE: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary
 /// glTF.
@@ -66,6 +66,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let reader: Reader = match extension.as_str() {
         "gltf" | "glb" => gltf::read,
+        "obj" => obj::read,
+        "ply" => ply::read,
         _ if starts_as_glb(path, &file)? => gltf::read,
         other => {
             let what = match other {
