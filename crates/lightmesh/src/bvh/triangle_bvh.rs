@@ -146,8 +146,19 @@ impl TriangleBvh {
             stack,
             #[inline(always)]
             |leaf, t_max| {
-                let before = |hit: TriangleHit| hit.t < ray.t_max;
-                self.blocks[leaf.items()].iter().any(|block| blocks.hits(simd, block, *t_max, before))
+                for block in &self.blocks[leaf.items()] {
+                    let found = blocks.hits(
+                        simd,
+                        block,
+                        *t_max,
+                        #[inline(always)]
+                        |hit| hit.t < ray.t_max,
+                    );
+                    if found {
+                        return true;
+                    }
+                }
+                false
             },
         )
     }
@@ -176,20 +187,24 @@ impl TriangleBvh {
             stack,
             #[inline(always)]
             |leaf, t_max| {
-                self.blocks[leaf.items()].iter().any(|block| {
-                    blocks.hits(simd, block, *t_max, |hit| {
-                        if hit.t >= ray.t_max {
+                let mut offer = |hit: TriangleHit| {
+                    if hit.t >= ray.t_max {
+                        return false;
+                    }
+                    if hit.id & SPLIT != 0 {
+                        if offered.contains(&hit.id) {
                             return false;
                         }
-                        if hit.id & SPLIT != 0 {
-                            if offered.contains(&hit.id) {
-                                return false;
-                            }
-                            offered.push(hit.id);
-                        }
-                        accept(TriangleHit { id: hit.id & !SPLIT, ..hit })
-                    })
-                })
+                        offered.push(hit.id);
+                    }
+                    accept(TriangleHit { id: hit.id & !SPLIT, ..hit })
+                };
+                for block in &self.blocks[leaf.items()] {
+                    if blocks.hits(simd, block, *t_max, &mut offer) {
+                        return true;
+                    }
+                }
+                false
             },
         )
     }
