@@ -211,7 +211,7 @@ impl TriangleBvh {
 }
 
 /// Whether a triangle can be hit: its corners are finite and do not lie on one line.
-fn has_area([a, b, c]: &[Vec3; 3]) -> bool {
+pub(super) fn has_area([a, b, c]: &[Vec3; 3]) -> bool {
     let finite = a.is_finite() && b.is_finite() && c.is_finite();
     let (e1, e2) = (b.as_dvec3() - a.as_dvec3(), c.as_dvec3() - a.as_dvec3());
     finite && e1.cross(e2) != glam::DVec3::ZERO
