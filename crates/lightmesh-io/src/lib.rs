@@ -1,1 +1,35 @@
-//! Scenes in, pictures out.
+//! Scenes in, pictures out: the files around `lightmesh`.
+//!
+//! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in range, every
+//! number is finite, and no file can make the reader panic or take more memory than [`LoadOptions::max_memory`].
+//!
+//! ```
+//! # fn main() -> Result<(), lightmesh_io::Error> {
+//! // A glTF in memory; `load` reads the same from a path.
+//! let gltf = br#"{
+//!     "asset": {"version": "2.0"},
+//!     "scenes": [{"nodes": [0]}],
+//!     "nodes": [{"mesh": 0}],
+//!     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+//!     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+//!     "bufferViews": [{"buffer": 0, "byteLength": 36}],
+//!     "buffers": [{"byteLength": 36, "uri":
+//!         "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]
+//! }"#;
+//! let loaded = lightmesh_io::load_gltf_bytes("inline.gltf", gltf, None, &Default::default())?;
+//! assert_eq!(loaded.data.meshes[0].triangles, [[0, 1, 2]]);
+//! # Ok(())
+//! # }
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod budget;
+mod error;
+mod gltf;
+mod load;
+mod warnings;
+
+pub use error::Error;
+pub use gltf::load_gltf_bytes;
+pub use load::{LoadOptions, Loaded, Units, load};

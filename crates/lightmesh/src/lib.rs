@@ -8,18 +8,24 @@
 
 pub mod bvh;
 mod error;
+mod film;
 pub mod geometry;
 mod image;
+mod integrator;
+mod light_mesh;
 pub mod metrics;
 mod options;
 mod progress;
+mod render;
 mod scene;
 
 pub use error::Error;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
+pub use light_mesh::LightMesh;
 pub use options::{Falloff, Interpolation, Method, PaperScale, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};
+pub use render::{Frame, render};
 pub use scene::{
-    AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, SceneData, ShapeEntry, Texels,
+    AlphaMode, Camera, Filter, ImageData, Instance, Light, Material, Projection, Scene, SceneData, ShapeEntry, Texels,
     Texture, TextureRef, UvTransform, Wrap,
 };

@@ -31,8 +31,10 @@ pub enum Spacing {
 /// The neighbourhood D_y of formula (3g).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Interpolation {
-    /// The eight corners of the cell, trilinear weights (figs. 10-11 of the paper).
+    /// Trilinear for [`Method::Mesh`]; for [`Method::Paper`] a sphere of 1.5 spacings.
     #[default]
+    Auto,
+    /// The eight corners of the cell, trilinear weights (figs. 10-11 of the paper).
     Trilinear,
     /// Every mesh point within `radius` spacings, equal weights (figs. 7-9).
     Sphere {
@@ -62,7 +64,8 @@ pub enum PaperScale {
     /// Divide each mesh point's sum (1) by the same sum without V_i: Ĩ is a mean visibility in [0, 1].
     #[default]
     Visibility,
-    /// Formulas as printed, one constant for the whole picture.
+    /// Formulas as printed, times one constant for the whole scene: one over the mean of Σ E_i / φ1, without V_i, over a
+    /// regular grid of 8³ places in the scene's box and over the channels. Ĩ is then 1 on average where nothing is hidden.
     Constant,
 }
 
@@ -130,8 +133,8 @@ impl RenderOptions {
         if self.width == 0 || self.height == 0 {
             return bad("size", format!("width and height must be at least 1, not {}x{}", self.width, self.height));
         }
-        if self.spp == 0 || self.spp > 1 << 20 {
-            return bad("spp", format!("must be between 1 and 1048576, not {}", self.spp));
+        if self.spp == 0 || self.spp > 1 << 16 {
+            return bad("spp", format!("must be between 1 and 65536, not {}", self.spp));
         }
         if let Spacing::Metres(x) | Spacing::Fraction(x) = self.spacing
             && !(x > 0.0 && x.is_finite())

@@ -38,7 +38,8 @@ impl Camera {
     /// A camera at `eye` that looks at `target`; `yfov` in radians.
     pub fn look_at(eye: Vec3, target: Vec3, yfov: f32) -> Self {
         let back = (eye - target).normalize_or(Vec3::Z);
-        let up = if back.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
+        // Straight down, the top of the picture is −Z; straight up, +Z.
+        let up = if back.y.abs() > 0.999 { -Vec3::Z * back.y.signum() } else { Vec3::Y };
         let right = up.cross(back).normalize();
         let matrix = glam::Mat3A::from_cols(right.into(), back.cross(right).into(), back.into());
         Self {

@@ -37,3 +37,13 @@ pub enum Light {
         illuminance_lux: Vec3,
     },
 }
+
+impl Light {
+    /// Intensity (candela) or illuminance (lux) per channel.
+    pub fn color(&self) -> Vec3 {
+        match *self {
+            Self::Point { intensity_cd, .. } | Self::Spot { intensity_cd, .. } => intensity_cd,
+            Self::Directional { illuminance_lux, .. } => illuminance_lux,
+        }
+    }
+}

@@ -98,6 +98,24 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is Lambert.
+    pub const MIRROR_ROUGHNESS: f32 = 0.25;
+
+    /// Whether no value of the textures gives it a mirror or lets light through.
+    pub(crate) fn is_lambert(&self) -> bool {
+        let never_smooth = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
+        let never_shiny = self.specular == 0.0 && self.metallic == 0.0;
+        self.transmission == 0.0 && (never_smooth || never_shiny)
+    }
+
+    /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness below
+    /// 0.6 (empirical: above it a lobe of F0 = 0.04 is hard to tell from Lambert).
+    pub(crate) fn falls_back_to_lambert(&self) -> bool {
+        let rough = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
+        let glossy = self.metallic > 0.5 || (self.specular > 0.0 && self.roughness < 0.6);
+        rough && glossy && !self.unlit
+    }
+
     /// An exactly Lambertian material of the given linear albedo.
     pub fn lambert(albedo: Vec3) -> Self {
         Self { base_color: albedo, specular: 0.0, ..Self::default() }

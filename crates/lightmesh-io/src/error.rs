@@ -1,0 +1,169 @@
+//! What can go wrong with files.
+
+use std::fmt::Display;
+use std::io;
+
+/// An error of reading or writing a file.
+///
+/// Each message is one line that names the file, the place in it and what to check. Where another error is the cause, its
+/// text is part of the message, so a chain printer has nothing to add.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system would not read a file.
+    #[error("{file}: cannot be read: {cause}; check the path and its permissions")]
+    Read {
+        /// The file.
+        file: String,
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// Neither the name nor the content is of a kind that we read.
+    #[error("{file}: {what}; lightmesh reads {readable}")]
+    UnknownFormat {
+        /// The file.
+        file: String,
+        /// What it looks like.
+        what: String,
+        /// The formats that can be read.
+        readable: &'static str,
+    },
+    /// The container or its text cannot be parsed: cut off, or not of the format that its name says.
+    #[error("{file}: {place}: {what}")]
+    Syntax {
+        /// The file.
+        file: String,
+        /// Chunk, byte offset or line.
+        place: String,
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// The file parses but contradicts itself or holds values that no scene can have.
+    #[error("{file}: {place}: {what}")]
+    Invalid {
+        /// The file.
+        file: String,
+        /// Which object, by kind, index and name.
+        place: String,
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// A version of the format that we do not read.
+    #[error(
+        "{file}: {place}: version {version} is not read, only {readable}; export the scene again with a current exporter"
+    )]
+    Version {
+        /// The file.
+        file: String,
+        /// Where the version stands.
+        place: &'static str,
+        /// What it says.
+        version: String,
+        /// The versions that can be read.
+        readable: &'static str,
+    },
+    /// The file cannot be understood without an extension that we do not read.
+    #[error("{file}: extensionsRequired: {extension} is not read; {advice}")]
+    RequiredExtension {
+        /// The file.
+        file: String,
+        /// Its name.
+        extension: String,
+        /// How to convert the file.
+        advice: String,
+    },
+    /// A reference to another file that is not followed.
+    #[error("{file}: {place}: uri {uri:?} {what}")]
+    Uri {
+        /// The file.
+        file: String,
+        /// Which buffer or image.
+        place: String,
+        /// The reference, shortened.
+        uri: String,
+        /// Why it is refused and what to do.
+        what: String,
+    },
+    /// A file that the scene refers to cannot be read.
+    #[error("{file}: {place}: {target}: cannot be read: {cause}; is it beside the scene file?")]
+    MissingFile {
+        /// The scene file.
+        file: String,
+        /// Which buffer or image.
+        place: String,
+        /// The file that was looked for.
+        target: String,
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// An image cannot be decoded.
+    #[error("{file}: {place}: the image cannot be decoded: {what}; lightmesh reads PNG, JPEG and WebP")]
+    Image {
+        /// The scene file.
+        file: String,
+        /// Which image.
+        place: String,
+        /// What the decoder said.
+        what: String,
+    },
+    /// Reading on would need more memory than allowed; it was not allocated.
+    #[error(
+        "{file}: {place}: needs {needed_bytes} more bytes, {left_bytes} are left of the limit of {limit_bytes}; check the file or raise --max-memory"
+    )]
+    OutOfMemory {
+        /// The scene file.
+        file: String,
+        /// What the memory is for.
+        place: String,
+        /// Bytes it would take.
+        needed_bytes: u64,
+        /// Bytes left for it.
+        left_bytes: u64,
+        /// [`LoadOptions::max_memory`](crate::LoadOptions::max_memory).
+        limit_bytes: u64,
+    },
+    /// The scene that was asked for is not in the file.
+    #[error("{file}: scene {scene:?} is not in the file, which has {available}")]
+    NoSuchScene {
+        /// The file.
+        file: String,
+        /// The name or index that was asked for.
+        scene: String,
+        /// The scenes it has.
+        available: String,
+    },
+    /// The file holds no surface.
+    #[error("{file}: nothing to render: {what}")]
+    Empty {
+        /// The file.
+        file: String,
+        /// What is missing.
+        what: String,
+    },
+}
+
+/// `text` on one line of at most 300 characters: what comes from a file may hold anything.
+pub(crate) fn one_line(text: impl Display) -> String {
+    const LONGEST: usize = 300;
+    let text = text.to_string();
+    let mut line = String::with_capacity(text.len().min(2 * LONGEST));
+    for (n, c) in text.chars().enumerate() {
+        if n == LONGEST {
+            line.push('…');
+            break;
+        }
+        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_stay_on_one_line() {
+        assert_eq!(one_line("a\nb\u{1b}"), "a\\nb\\u{1b}");
+        assert_eq!(one_line("x".repeat(1000)).chars().count(), 301);
+    }
+}

@@ -1,0 +1,68 @@
+//! Which extensions are read, and what to say about the others.
+
+use super::context::Context;
+use super::json::Document;
+use crate::error::{Error, one_line};
+
+/// Extensions that are read.
+const READ: [&str; 9] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+];
+
+/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them.
+const HARMLESS: [&str; 8] = [
+    "EXT_structural_metadata",
+    "EXT_mesh_features",
+    "KHR_accessor_float64",
+    "KHR_animation_pointer",
+    "KHR_materials_variants",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "MSFT_lod",
+];
+
+/// How to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain geometry where
+/// it reads compressed.
+fn advice(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "decompress the file with `gltf-transform copy in.glb out.glb`, or export it again without compression"
+        }
+        "KHR_texture_basisu" => {
+            "decompress its textures with `gltf-transform ktxdecompress in.glb out.glb`, or export it again with PNG or JPEG"
+        }
+        "KHR_materials_pbrSpecularGlossiness" => {
+            "convert its materials with `gltf-transform metalrough in.glb out.glb`"
+        }
+        "EXT_texture_avif" | "MSFT_texture_dds" => "convert its textures with `gltf-transform png in.glb out.glb`",
+        _ => "import the file into Blender and export it again as glTF, which leaves the extension out",
+    }
+}
+
+/// Refuses a file that requires what we do not read; warns about optional extensions that change the picture.
+pub(super) fn check(context: &mut Context<'_>, document: &Document) -> Result<(), Error> {
+    let known = |name: &str| READ.contains(&name);
+    // Requiring metadata is odd but harmless.
+    if let Some(name) = document.extensions_required.iter().find(|n| !known(n) && !HARMLESS.contains(&n.as_str())) {
+        return Err(Error::RequiredExtension {
+            file: one_line(context.file),
+            extension: one_line(name),
+            advice: advice(name).to_owned(),
+        });
+    }
+    // A file may list any number of names: a few are enough.
+    let unread = document.extensions_used.iter().filter(|n| !known(n) && !HARMLESS.contains(&n.as_str()));
+    for name in unread.take(20) {
+        let message = format!("{} is not read: the picture may differ from the author's", one_line(name));
+        context.warnings.add("extensionsUsed", &message);
+    }
+    Ok(())
+}

@@ -1,0 +1,199 @@
+//! Decoding of images: once each, in parallel.
+//!
+//! Eight bits per channel stay as they are. Sixteen bits become 32-bit floats, which the renderer takes as linear: where such an
+//! image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept twice.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::sync::Arc;
+
+use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, ImageResult, Limits};
+use lightmesh::{ImageData, Texels, Texture};
+use rayon::prelude::*;
+
+use super::buffer::Buffers;
+use super::context::{Context, Place, place};
+use super::json::Document;
+use super::texture::{Encoding, Textures};
+use super::uri;
+use crate::error::{Error, one_line};
+
+/// An image of the file with its compressed bytes.
+#[derive(Debug)]
+struct Source<'a> {
+    index: usize,
+    name: &'a str,
+    bytes: Cow<'a, [u8]>,
+    /// How it is used: as colour, as numbers.
+    srgb: bool,
+    linear: bool,
+}
+
+/// Decoded texels by use; 8-bit texels are the same for both.
+#[derive(Debug)]
+struct Decoded {
+    width: u32,
+    height: u32,
+    srgb: Option<Texels>,
+    linear: Option<Texels>,
+}
+
+/// The used textures and their images.
+pub(super) fn decode(
+    context: &mut Context<'_>,
+    document: &Document,
+    buffers: &Buffers<'_>,
+    textures: Textures,
+) -> Result<(Vec<Texture>, Vec<ImageData>), Error> {
+    let pending = textures.pending(context, document)?;
+
+    // Collect each image once, in the file's order.
+    let mut uses: BTreeMap<usize, (bool, bool)> = BTreeMap::new();
+    for texture in &pending {
+        let (srgb, linear) = uses.entry(texture.image).or_default();
+        *srgb |= texture.encoding == Encoding::Srgb;
+        *linear |= texture.encoding == Encoding::Linear;
+    }
+    let mut sources = Vec::with_capacity(uses.len());
+    for (index, (srgb, linear)) in uses {
+        let (name, bytes) = fetch(context, document, buffers, index)?;
+        sources.push(Source { index, name, bytes, srgb, linear });
+    }
+
+    // Pay for all of them before the first is decoded.
+    let mut largest_transient = 0;
+    for source in &sources {
+        let size = Size::of(context, source)?;
+        context.spend(image_place(source), size.kept, 1)?;
+        largest_transient = largest_transient.max(size.transient);
+    }
+    let at_once = rayon::current_num_threads().min(sources.len()) as u64;
+    context.spend("decoding of images", at_once, largest_transient)?;
+
+    // The first error in the file's order wins, whichever thread was first.
+    let limit = context.budget.left().saturating_add(largest_transient);
+    let decoded: Vec<_> = sources.par_iter().map(|source| decode_one(source, limit)).collect();
+
+    // One entry per image and, for 16 bits, per use.
+    let mut images = Vec::new();
+    let mut image_of = BTreeMap::new();
+    for (source, decoded) in sources.iter().zip(decoded) {
+        let Decoded { width, height, srgb, linear } =
+            decoded.map_err(|e| undecodable(context, source, &e.to_string()))?;
+        for (encoding, texels) in [(Encoding::Srgb, srgb), (Encoding::Linear, linear)] {
+            if let Some(texels) = texels {
+                image_of.insert((source.index, encoding), images.len());
+                images.push(ImageData { name: one_line(source.name), width, height, texels });
+            }
+        }
+        // 8-bit texels come once, as sRGB, and serve both.
+        if let (true, Some(&image)) = (source.linear, image_of.get(&(source.index, Encoding::Srgb))) {
+            image_of.entry((source.index, Encoding::Linear)).or_insert(image);
+        }
+    }
+    let textures = pending.iter().filter_map(|texture| {
+        let image = *image_of.get(&(texture.image, texture.encoding))?;
+        Some(Texture { image, ..texture.texture })
+    });
+    Ok((textures.collect(), images))
+}
+
+/// An image's name and compressed bytes.
+fn fetch<'a>(
+    context: &mut Context<'_>,
+    document: &'a Document,
+    buffers: &'a Buffers<'_>,
+    index: usize,
+) -> Result<(&'a str, Cow<'a, [u8]>), Error> {
+    let image = context.get(&document.images, "image", index, "textures")?;
+    let uri_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
+    let name = image.name.as_deref().or(uri_name).unwrap_or_default();
+    let at = place("image", index, Some(name));
+    let bytes = match (&image.uri, image.buffer_view) {
+        (Some(uri), _) => Cow::Owned(uri::fetch(context, at, uri)?),
+        (None, Some(view)) => Cow::Borrowed(buffers.view(context, document, view, at)?.0),
+        (None, None) => return Err(context.invalid(at, "has neither a uri nor a bufferView; the file is damaged")),
+    };
+    Ok((name, bytes))
+}
+
+fn image_place<'a>(source: &Source<'a>) -> Place<'a> {
+    place("image", source.index, Some(source.name))
+}
+
+fn undecodable(context: &Context<'_>, source: &Source<'_>, what: &str) -> Error {
+    Error::Image { file: one_line(context.file), place: one_line(image_place(source)), what: one_line(what) }
+}
+
+/// A decoder that has read the image's header and nothing else.
+fn decoder<'a>(source: &'a Source<'_>, limit: u64) -> ImageResult<impl ImageDecoder + 'a> {
+    let mut reader = ImageReader::new(Cursor::new(&*source.bytes)).with_guessed_format()?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(limit);
+    reader.limits(limits);
+    reader.into_decoder()
+}
+
+/// Bytes that decoding takes.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    /// Of the texels that stay.
+    kept: u64,
+    /// Of the decoder's output and our conversion, on top while it works.
+    transient: u64,
+}
+
+impl Size {
+    fn of(context: &Context<'_>, source: &Source<'_>) -> Result<Self, Error> {
+        let decoder =
+            decoder(source, context.budget.left()).map_err(|e| undecodable(context, source, &e.to_string()))?;
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 {
+            return Err(undecodable(context, source, "it has no texels"));
+        }
+        let texels = u64::from(width) * u64::from(height);
+        let uses = u64::from(source.srgb) + u64::from(source.linear);
+        let (kept, converted) = match is_deep(decoder.color_type()) {
+            true => (texels.saturating_mul(16 * uses), texels.saturating_mul(8 + 16)),
+            false => (texels.saturating_mul(4), texels.saturating_mul(4)),
+        };
+        Ok(Self { kept, transient: decoder.total_bytes().saturating_add(converted) })
+    }
+}
+
+/// Whether the channels have more than eight bits.
+fn is_deep(color: ColorType) -> bool {
+    color.bytes_per_pixel() > color.channel_count()
+}
+
+/// Decodes one image for its uses; at most `limit` bytes are allocated by the decoder.
+fn decode_one(source: &Source<'_>, limit: u64) -> ImageResult<Decoded> {
+    let image = DynamicImage::from_decoder(decoder(source, limit)?)?;
+    let (width, height) = (image.width(), image.height());
+    if !is_deep(image.color()) {
+        let raw = image.into_rgba8().into_raw();
+        let texels = Texels::Rgba8(Arc::from(raw.as_chunks::<4>().0));
+        return Ok(Decoded { width, height, srgb: Some(texels), linear: None });
+    }
+    let raw = image.into_rgba16().into_raw();
+    let texels = raw.as_chunks::<4>().0;
+    let linear = |value: u16| f32::from(value) / 65535.0;
+    let as_numbers = || texels.iter().map(|texel| texel.map(linear)).collect();
+    let as_colors = || {
+        let table: Vec<f32> = (0..=u16::MAX).map(|value| linear_from_srgb(linear(value))).collect();
+        let curve = |value: u16| table[usize::from(value)];
+        texels.iter().map(|&[r, g, b, a]| [curve(r), curve(g), curve(b), linear(a)]).collect()
+    };
+    Ok(Decoded {
+        width,
+        height,
+        srgb: source.srgb.then(|| Texels::Rgba32F(as_colors())),
+        linear: source.linear.then(|| Texels::Rgba32F(as_numbers())),
+    })
+}
+
+/// IEC 61966-2-1.
+fn linear_from_srgb(c: f32) -> f32 {
+    if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
+}

@@ -1,0 +1,151 @@
+//! The JSON of a glTF file, as far as we read it.
+//!
+//! Why not the `gltf` crate? Its JSON layer drops the place of an error, panics on some enumerations unless its validation has
+//! passed (which refuses every extension it does not know), and lacks half the material extensions; the typed mirror of what we
+//! read is shorter than the code around those would be. Unknown properties are ignored; indices are checked where they are used.
+
+mod data;
+mod material;
+mod node;
+
+use serde::Deserialize;
+
+pub(crate) use data::{Accessor, Buffer, BufferView, Image, Sampler, Sparse, Texture};
+pub(crate) use material::{AlphaMode, Material, Specular, TextureInfo};
+pub(crate) use node::{Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
+
+use crate::error::{Error, one_line};
+
+/// The root object.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Document {
+    pub(crate) asset: Asset,
+    pub(crate) scene: Option<usize>,
+    #[serde(default)]
+    pub(crate) scenes: Vec<Scene>,
+    #[serde(default)]
+    pub(crate) nodes: Vec<Node>,
+    #[serde(default)]
+    pub(crate) meshes: Vec<Mesh>,
+    #[serde(default)]
+    pub(crate) cameras: Vec<Camera>,
+    #[serde(default)]
+    pub(crate) materials: Vec<Material>,
+    #[serde(default)]
+    pub(crate) textures: Vec<Texture>,
+    #[serde(default)]
+    pub(crate) samplers: Vec<Sampler>,
+    #[serde(default)]
+    pub(crate) images: Vec<Image>,
+    #[serde(default)]
+    pub(crate) accessors: Vec<Accessor>,
+    #[serde(default)]
+    pub(crate) buffer_views: Vec<BufferView>,
+    #[serde(default)]
+    pub(crate) buffers: Vec<Buffer>,
+    #[serde(default)]
+    pub(crate) animations: Vec<serde::de::IgnoredAny>,
+    #[serde(default)]
+    pub(crate) extensions_used: Vec<String>,
+    #[serde(default)]
+    pub(crate) extensions_required: Vec<String>,
+    #[serde(default)]
+    pub(crate) extensions: RootExtensions,
+}
+
+/// `asset`.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Asset {
+    pub(crate) version: String,
+    pub(crate) min_version: Option<String>,
+}
+
+/// `extensions` of the root object.
+#[derive(Debug, Default, Deserialize)]
+pub(crate) struct RootExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub(crate) lights_punctual: Option<LightsPunctual>,
+}
+
+/// KHR_lights_punctual at the root.
+#[derive(Debug, Deserialize)]
+pub(crate) struct LightsPunctual {
+    #[serde(default)]
+    pub(crate) lights: Vec<Light>,
+}
+
+/// Parses the text and checks `asset.version`.
+pub(crate) fn parse(file: &str, text: &[u8]) -> Result<Document, Error> {
+    match serde_json::from_slice::<Document>(text) {
+        Ok(document) => check_version(file, &document.asset).map(|()| document),
+        Err(_) => Err(explain(file, text)),
+    }
+}
+
+/// Why the text does not parse. Tracking the place of an error costs time, so only a text that has one is parsed with it.
+fn explain(file: &str, text: &[u8]) -> Error {
+    // The version first: a glTF 1.0 file differs so much that any other complaint would mislead.
+    #[derive(Deserialize)]
+    struct OnlyAsset {
+        asset: Asset,
+    }
+    if let Ok(OnlyAsset { asset }) = serde_json::from_slice(text)
+        && let Err(error) = check_version(file, &asset)
+    {
+        return error;
+    }
+    let mut deserializer = serde_json::Deserializer::from_slice(text);
+    let (place, what) = match serde_path_to_error::deserialize::<_, Document>(&mut deserializer) {
+        Err(error) if error.path().to_string() != "." => (format!("JSON, {}", error.path()), error.inner().to_string()),
+        Err(error) => ("JSON".to_owned(), error.inner().to_string()),
+        // An object that parses, and then something behind it.
+        Ok(_) => ("JSON".to_owned(), "text follows the end of the glTF object".to_owned()),
+    };
+    Error::Syntax {
+        file: one_line(file),
+        place: one_line(place),
+        what: one_line(format_args!("{what}; the file is incomplete or damaged")),
+    }
+}
+
+/// Accepts 2.x that can be read as 2.0.
+fn check_version(file: &str, asset: &Asset) -> Result<(), Error> {
+    let refuse = |place, version: &str| {
+        Err(Error::Version { file: one_line(file), place, version: one_line(version), readable: "glTF 2.0" })
+    };
+    match &asset.min_version {
+        Some(minimum) if minimum != "2.0" => refuse("asset.minVersion", minimum),
+        _ if !asset.version.starts_with("2.") => refuse("asset.version", &asset.version),
+        _ => Ok(()),
+    }
+}
+
+/// Defaults that serde asks for by name.
+fn one() -> f32 {
+    1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        parse("f.gltf", text.as_bytes()).map(|_| ()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn errors_name_the_place() {
+        let m = message(r#"{"asset": {"version": "2.0"}, "nodes": [{}, {"mesh": -1}]}"#);
+        assert!(m.starts_with("f.gltf: JSON, nodes[1].mesh: ") && m.contains("-1"), "{m}");
+        assert!(message(r#"{"asset": {"version": "2.0"}, "#).contains("f.gltf: JSON"));
+    }
+
+    #[test]
+    fn versions() {
+        assert!(message(r#"{"asset": {"version": "1.0"}, "scenes": {}}"#).contains("version 1.0"));
+        assert!(message(r#"{"asset": {"version": "2.1", "minVersion": "2.1"}}"#).contains("minVersion"));
+        assert!(parse("f", br#"{"asset": {"version": "2.1", "minVersion": "2.0"}}"#).is_ok());
+    }
+}

@@ -1,0 +1,156 @@
+//! glTF 2.0, text and binary.
+//!
+//! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers, meshes,
+//! materials, textures, images. What the scene does not use is neither decoded nor checked.
+
+mod accessor;
+mod buffer;
+mod camera;
+mod container;
+mod context;
+mod extensions;
+mod image;
+mod json;
+mod light;
+mod material;
+mod mesh;
+mod node;
+mod normals;
+mod texture;
+mod topology;
+mod uri;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use lightmesh::{Instance, SceneData};
+
+use self::buffer::Buffers;
+use self::context::{Context, place};
+use self::json::Document;
+use self::texture::Textures;
+use crate::budget::Budget;
+use crate::error::{Error, one_line};
+use crate::{LoadOptions, Loaded};
+
+/// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has them is
+/// refused where it is `None`.
+///
+/// # Errors
+/// As [`load`](crate::load).
+pub fn load_gltf_bytes(
+    file: &str,
+    bytes: &[u8],
+    folder: Option<&Path>,
+    options: &LoadOptions,
+) -> Result<Loaded, Error> {
+    read(file, bytes, folder, options, Budget::new(options.max_memory))
+}
+
+/// [`load_gltf_bytes`] with what is left of a budget.
+pub(crate) fn read(
+    file: &str,
+    bytes: &[u8],
+    folder: Option<&Path>,
+    options: &LoadOptions,
+    budget: Budget,
+) -> Result<Loaded, Error> {
+    let container = container::split(file, bytes)?;
+    let document = json::parse(file, container.json)?;
+    let mut context = Context::new(file, folder, options, budget);
+    extensions::check(&mut context, &document)?;
+
+    // Nodes: which meshes, lights and cameras the chosen scene has, and where.
+    let visit = node::visit(&mut context, &document)?;
+    let buffers = Buffers::open(&mut context, &document, container.binary)?;
+    let mut data = SceneData {
+        lights: light::lights(&mut context, &document, &visit.lights)?,
+        cameras: camera::cameras(&mut context, &document, &visit.cameras)?,
+        ..SceneData::default()
+    };
+
+    // Meshes that the scene uses, each decoded once, then their places.
+    let mut materials = Used::default();
+    let mut loaded = BTreeMap::new();
+    for &mesh in visit.meshes.iter().map(|placed| &placed.index) {
+        if let std::collections::btree_map::Entry::Vacant(entry) = loaded.entry(mesh) {
+            let primitives = mesh::primitives(&mut context, &document, &buffers, mesh, &mut materials)?;
+            let first = data.meshes.len();
+            data.meshes.extend(primitives);
+            entry.insert(first..data.meshes.len());
+        }
+    }
+    place_meshes(&mut context, &document, &visit.meshes, &loaded, &mut data)?;
+    if data.instances.is_empty() {
+        let what = match visit.meshes.is_empty() {
+            true => "no node of the scene has a mesh; is it the right file and scene?",
+            false => "the scene's meshes have no triangles that could be seen; does it hold only points or lines?",
+        };
+        return Err(Error::Empty { file: one_line(file), what: what.into() });
+    }
+
+    // Materials of those meshes, the textures of those materials, the images of those textures.
+    let mut textures = Textures::default();
+    for &material in &materials.order {
+        data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
+    }
+    (data.textures, data.images) = image::decode(&mut context, &document, &buffers, textures)?;
+
+    if !document.animations.is_empty() {
+        context.warnings.add("animations", "animations are not read: nodes stay where the file puts them");
+    }
+    Ok(Loaded { data, warnings: context.warnings.into_sentences() })
+}
+
+/// Numbers keys in the order in which they are first used.
+#[derive(Debug)]
+struct Used<K> {
+    order: Vec<K>,
+    index: BTreeMap<K, usize>,
+}
+
+impl<K> Default for Used<K> {
+    fn default() -> Self {
+        Self { order: Vec::new(), index: BTreeMap::new() }
+    }
+}
+
+impl<K: Copy + Ord> Used<K> {
+    /// The key's number.
+    fn number(&mut self, key: K) -> usize {
+        *self.index.entry(key).or_insert_with(|| {
+            self.order.push(key);
+            self.order.len() - 1
+        })
+    }
+}
+
+/// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not rendered.
+fn place_meshes(
+    context: &mut Context<'_>,
+    document: &Document,
+    placed: &[node::Placed],
+    loaded: &BTreeMap<usize, std::ops::Range<usize>>,
+    data: &mut SceneData,
+) -> Result<(), Error> {
+    let bounds: Vec<_> = data.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    for node::Placed { node, index, world_from_node } in placed {
+        let node_place = place("node", *node, document.nodes[*node].name.as_deref());
+        // A determinant that underflows has no inverse in f32, and a surface that is scaled to nothing cannot be seen.
+        if !world_from_node.matrix3.determinant().is_normal() {
+            context.warnings.add(node_place, "its scale is zero in some direction: its mesh is left out");
+            continue;
+        }
+        let meshes = loaded[index].clone();
+        context.spend(&node_place, meshes.len() as u64, size_of::<Instance>() as u64)?;
+        for mesh in meshes {
+            let world = bounds[mesh].transformed(world_from_node);
+            if !(world.min.is_finite() && world.max.is_finite()) {
+                return Err(context
+                    .invalid(node_place, "its mesh's positions leave the range of 32-bit floats; check its scale"));
+            }
+            data.instances.push(Instance { mesh, world_from_object: *world_from_node });
+        }
+    }
+    Ok(())
+}

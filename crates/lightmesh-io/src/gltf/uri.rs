@@ -1,0 +1,168 @@
+//! URIs of buffers and images: data in the file, or a file beside it.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Component, Path, PathBuf};
+
+use base64::Engine;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
+use super::context::{Context, Place};
+use crate::error::{Error, one_line};
+
+/// Base64 as exporters write it, with or without padding.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &base64::alphabet::STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes that `uri` stands for, paid from the budget before they are read.
+pub(super) fn fetch(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    match uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+        Some(_) => decode_data(context, place, uri),
+        None => read_beside(context, place, uri),
+    }
+}
+
+/// An error about a URI.
+fn refuse(context: &Context<'_>, place: Place<'_>, uri: &str, what: &str) -> Error {
+    let mut short: String = uri.chars().take(80).collect();
+    if short.len() < uri.len() {
+        short.push('…');
+    }
+    Error::Uri { file: one_line(context.file), place: one_line(place), uri: short, what: what.to_owned() }
+}
+
+/// `data:[type][;base64],…` (RFC 2397).
+fn decode_data(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    let Some((head, body)) = uri.split_once(',') else {
+        return Err(refuse(context, place, uri, "has no comma before its data; the file is damaged"));
+    };
+    context.spend(place, body.len() as u64, 1)?;
+    if head.to_ascii_lowercase().ends_with(";base64") {
+        BASE64.decode(body).map_err(|e| refuse(context, place, uri, &format!("is not valid base64: {e}")))
+    } else {
+        Ok(percent_decode(body))
+    }
+}
+
+/// Replaces each `%XX` by its byte. A percent sign that starts no escape stays: exporters forget to encode it.
+fn percent_decode(text: &str) -> Vec<u8> {
+    let bytes = text.as_bytes();
+    let hex = |b: Option<&u8>| b.and_then(|&b| char::from(b).to_digit(16));
+    let mut decoded = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        match (bytes[at], hex(bytes.get(at + 1)), hex(bytes.get(at + 2))) {
+            (b'%', Some(high), Some(low)) => {
+                decoded.push((high * 16 + low) as u8);
+                at += 3;
+            }
+            (byte, ..) => {
+                decoded.push(byte);
+                at += 1;
+            }
+        }
+    }
+    decoded
+}
+
+/// Whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:` is one too.
+fn has_scheme(uri: &str) -> bool {
+    uri.split_once(':').is_some_and(|(scheme, _)| {
+        scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+            && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    })
+}
+
+/// The file at a relative path. Unless the options allow it, the path must stay in the scene's folder, as it is written and
+/// after symbolic links are followed.
+fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    const OUTSIDE: &str = "leaves the scene's folder; put the file beside the scene or pass --allow-outside";
+    if has_scheme(uri) {
+        let what = "has a scheme, but only data: and files beside the scene are read; download the file and refer to it by a relative path";
+        return Err(refuse(context, place, uri, what));
+    }
+    let Some(folder) = context.folder else {
+        return Err(refuse(context, place, uri, "refers to another file, but the scene was not read from a folder"));
+    };
+    // Windows exporters write backslashes.
+    let Ok(relative) = String::from_utf8(percent_decode(uri)).map(|path| path.replace('\\', "/")) else {
+        return Err(refuse(context, place, uri, "is not UTF-8 after percent-decoding; rename the file"));
+    };
+    if relative.is_empty() || relative.contains('\0') {
+        return Err(refuse(context, place, uri, "is no file name; the file is damaged"));
+    }
+    if !context.options.allow_outside && !stays_inside(Path::new(&relative)) {
+        return Err(refuse(context, place, uri, OUTSIDE));
+    }
+
+    let target = folder.join(&relative);
+    let missing = |cause: io::Error| Error::MissingFile {
+        file: one_line(context.file),
+        place: one_line(place),
+        target: one_line(target.display()),
+        cause,
+    };
+    let resolved: PathBuf = target.canonicalize().map_err(missing)?;
+    if !context.options.allow_outside && !resolved.starts_with(folder.canonicalize().map_err(missing)?) {
+        return Err(refuse(context, place, uri, OUTSIDE));
+    }
+    let metadata = resolved.metadata().map_err(missing)?;
+    // A pipe or a device could keep us waiting for ever.
+    if !metadata.is_file() {
+        return Err(refuse(context, place, uri, "is not a regular file"));
+    }
+    let handle = File::open(&resolved).map_err(missing)?;
+    let mut bytes = Vec::new();
+    let length = metadata.len();
+    context.budget.take(context.file, place, length, 1)?;
+    bytes.reserve_exact(length as usize);
+    handle.take(length).read_to_end(&mut bytes).map_err(missing)?;
+    Ok(bytes)
+}
+
+/// Whether a relative path, as written, never climbs above its start.
+fn stays_inside(path: &Path) -> bool {
+    let mut depth = 0_i64;
+    path.components().all(|component| {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir => depth -= 1,
+            Component::RootDir | Component::Prefix(_) => return false,
+        }
+        depth >= 0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_escapes() {
+        assert_eq!(percent_decode("a%20b%2Fc"), b"a b/c");
+        assert_eq!(percent_decode("100%.png%4"), b"100%.png%4");
+    }
+
+    #[test]
+    fn schemes() {
+        for uri in ["http://x/y", "file:///etc/passwd", "C:/a.png", "HTTPS:x"] {
+            assert!(has_scheme(uri), "{uri}");
+        }
+        for uri in ["a.png", "a/b:c.png", ":x", "1:x"] {
+            assert!(!has_scheme(uri), "{uri}");
+        }
+    }
+
+    #[test]
+    fn climbing_out_is_seen_as_written() {
+        for path in ["a/b.bin", "./a", "a/../b"] {
+            assert!(stays_inside(Path::new(path)), "{path}");
+        }
+        for path in ["../a", "a/../../b", "/a", "a/../../scene/b"] {
+            assert!(!stays_inside(Path::new(path)), "{path}");
+        }
+    }
+}

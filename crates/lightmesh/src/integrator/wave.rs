@@ -1,0 +1,293 @@
+//! Waves: camera rays → hits → light → film, and mirrored, refracted and passed-through rays as the next wave.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::direct::Scratch;
+use super::surface::{Surface, Vertex, evaluate};
+use crate::bvh::Hit;
+use crate::film::Film;
+use crate::geometry::{Ray, offset_origin};
+use crate::light_mesh::LightMesh;
+use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
+
+/// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
+const BLOCK: usize = 1024;
+
+/// Blocks per wave: a wave's hits stay within a few MiB, and its steps are long against their barriers.
+const BLOCKS_PER_WAVE: usize = 128;
+
+/// BLEND and MASK layers that a ray may pass in a row.
+pub(super) const MAX_LAYERS: u8 = 64;
+
+/// Where the light at a wave's hits comes from.
+#[derive(Debug)]
+pub(crate) enum Lighting<'a> {
+    /// A shadow ray to every light sample.
+    Exact,
+    /// The mesh, filled as far as the hits ask for it.
+    Mesh(&'a mut LightMesh),
+}
+
+/// A ray with what it carries.
+#[derive(Clone, Copy, Debug)]
+struct WaveRay {
+    ray: Ray,
+    /// Throughput: radiance at the film per unit of radiance along the ray.
+    beta: Vec3,
+    pixel: u32,
+    /// Mirror and refraction events so far.
+    depth: u32,
+    /// Layers passed since the last event.
+    layers: u8,
+}
+
+/// Up to [`BLOCK`] rays, what they hit and what came of it; buffers are kept from wave to wave.
+#[derive(Debug, Default)]
+struct Block {
+    input: Vec<WaveRay>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    vertices: Vec<Vertex>,
+    emitted: Vec<(u32, Vec3)>,
+    next: Vec<WaveRay>,
+    irradiance: Vec<Vec3>,
+    scratch: Scratch,
+    shadow_rays: u64,
+    fallbacks: u64,
+}
+
+/// Renders all samples of the film with exact or mesh light.
+pub(crate) fn render_waves(
+    scene: &Scene,
+    film: &mut Film,
+    options: &RenderOptions,
+    mut lighting: Lighting<'_>,
+    progress: &dyn Progress,
+) -> Result<RenderStats, Error> {
+    let mut stats = RenderStats::default();
+    let mut blocks: Vec<Block> = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
+    let mut marks = match &lighting {
+        Lighting::Exact => None,
+        Lighting::Mesh(mesh) => Some(mesh.marks()),
+    };
+    let total = film.sample_count();
+    let mut first = 0;
+    while first < total {
+        // Camera rays: a wave of whole samples.
+        let count = (total - first).min((BLOCK * BLOCKS_PER_WAVE) as u64) as usize;
+        let mut used = count.div_ceil(BLOCK);
+        let started = Instant::now();
+        let camera = &*film;
+        blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
+            let begin = first + (i * BLOCK) as u64;
+            let end = (begin + BLOCK as u64).min(first + count as u64);
+            block.input.clear();
+            block.input.extend((begin..end).map(|s| {
+                let (pixel, ray, _) = camera.sample(s);
+                WaveRay { ray, beta: Vec3::ONE, pixel, depth: 0, layers: 0 }
+            }));
+            block.trace(scene, options);
+        });
+        stats.rays.primary += count as u64;
+        stats.seconds.primary += started.elapsed().as_secs_f64();
+
+        loop {
+            light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), progress, &mut stats)?;
+
+            // To the film, in order.
+            let started = Instant::now();
+            let mut next = Vec::new();
+            for block in &mut blocks[..used] {
+                for &(pixel, radiance) in &block.emitted {
+                    film.add(pixel, radiance);
+                }
+                for (vertex, &irradiance) in block.vertices.iter().zip(&block.irradiance) {
+                    film.add(vertex.pixel, vertex.weight * irradiance);
+                }
+                next.append(&mut block.next);
+                stats.rays.shadow += std::mem::take(&mut block.shadow_rays);
+                stats.exact_fallbacks += std::mem::take(&mut block.fallbacks);
+            }
+            if next.is_empty() {
+                stats.seconds.shade += started.elapsed().as_secs_f64();
+                break;
+            }
+
+            // The next wave, in the same order.
+            stats.rays.secondary += next.len() as u64;
+            used = next.len().div_ceil(BLOCK);
+            if blocks.len() < used {
+                blocks.resize_with(used, Block::default);
+            }
+            blocks[..used].par_iter_mut().zip(next.par_chunks(BLOCK)).for_each(|(block, rays)| {
+                block.input.clear();
+                block.input.extend_from_slice(rays);
+                block.trace(scene, options);
+            });
+            stats.seconds.shade += started.elapsed().as_secs_f64();
+        }
+        first += count as u64;
+        let rays = stats.rays.primary + stats.rays.shadow + stats.rays.secondary;
+        progress.report(Stage::Render, first, total, rays);
+    }
+    Ok(stats)
+}
+
+/// Computes the irradiance at every vertex of the blocks.
+fn light(
+    scene: &Scene,
+    blocks: &mut [Block],
+    options: &RenderOptions,
+    lighting: &mut Lighting<'_>,
+    marks: Option<&mut crate::light_mesh::Marks>,
+    progress: &dyn Progress,
+    stats: &mut RenderStats,
+) -> Result<(), Error> {
+    let cancelled = || if progress.cancelled() { Err(Error::Cancelled) } else { Ok(()) };
+    cancelled()?;
+    match (lighting, marks) {
+        (Lighting::Mesh(mesh), Some(marks)) => {
+            // Demand and fill, until nothing that is read is empty.
+            loop {
+                let started = Instant::now();
+                let wanted =
+                    blocks.par_iter().map(|block| mesh.demand(&block.vertices, marks)).reduce(|| false, |a, b| a | b);
+                stats.seconds.demand += started.elapsed().as_secs_f64();
+                if !wanted {
+                    break;
+                }
+                let started = Instant::now();
+                let fill = mesh.fill(scene, marks)?;
+                stats.rays.shadow += fill.shadow_rays;
+                stats.rays.gather += fill.probe_rays;
+                stats.seconds.fill_direct += started.elapsed().as_secs_f64();
+                cancelled()?;
+            }
+            // Shade.
+            let started = Instant::now();
+            let mesh = &**mesh;
+            blocks.par_iter_mut().for_each(|block| block.shade_by_mesh(scene, options, mesh));
+            stats.seconds.shade += started.elapsed().as_secs_f64();
+        }
+        _ => {
+            let started = Instant::now();
+            blocks.par_iter_mut().for_each(|block| block.shade_exactly(scene, options, progress));
+            stats.seconds.shade += started.elapsed().as_secs_f64();
+        }
+    }
+    cancelled()
+}
+
+impl Block {
+    /// Traces the input rays and evaluates what they hit.
+    fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
+        self.rays.clear();
+        self.rays.extend(self.input.iter().map(|r| r.ray));
+        self.hits.clear();
+        self.hits.resize(self.rays.len(), None);
+        scene.bvh().closest_batch(&self.rays, &mut self.hits);
+
+        self.vertices.clear();
+        self.emitted.clear();
+        self.next.clear();
+        for (from, hit) in self.input.iter().zip(&self.hits) {
+            let Some(hit) = hit else { continue };
+            let surface = evaluate(scene, &from.ray, hit);
+            let beta = from.beta * surface.coverage;
+            if surface.emission != Vec3::ZERO {
+                self.emitted.push((from.pixel, beta * surface.emission));
+            }
+            if surface.diffuse != Vec3::ZERO {
+                self.vertices.push(surface.vertex(beta, from.pixel));
+            }
+            spawn(&mut self.next, from, hit, &surface, options);
+        }
+    }
+
+    fn shade_exactly(&mut self, scene: &Scene, options: &RenderOptions, progress: &dyn Progress) {
+        self.irradiance.clear();
+        if progress.cancelled() {
+            return;
+        }
+        for vertex in &self.vertices {
+            let (irradiance, rays) = self.scratch.irradiance(scene, options.falloff, vertex);
+            self.irradiance.push(irradiance);
+            self.shadow_rays += rays;
+        }
+    }
+
+    /// Formula (2) times formula (3g).
+    fn shade_by_mesh(&mut self, scene: &Scene, options: &RenderOptions, mesh: &LightMesh) {
+        let points = self.vertices.iter().map(|v| (v.position, v.n));
+        scene.lights().irradiance(scene.level(), options.falloff, points, &mut self.irradiance);
+        for (vertex, irradiance) in self.vertices.iter().zip(&mut self.irradiance) {
+            if *irradiance == Vec3::ZERO {
+                continue;
+            }
+            match mesh.visibility(vertex) {
+                Some(visibility) => *irradiance *= visibility,
+                None => {
+                    let (exact, rays) = self.scratch.irradiance(scene, options.falloff, vertex);
+                    *irradiance = exact;
+                    self.shadow_rays += rays;
+                    self.fallbacks += 1;
+                }
+            }
+        }
+    }
+}
+
+/// The rays that go on from a surface: through it, mirrored and refracted.
+fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, options: &RenderOptions) {
+    if surface.coverage < 1.0 && from.layers < MAX_LAYERS {
+        let beta = from.beta * (1.0 - surface.coverage);
+        if beta.max_element() > options.cutoff {
+            let ray = Ray { t_min: hit.t, ..from.ray };
+            next.push(WaveRay { ray, beta, layers: from.layers + 1, ..*from });
+        }
+    }
+    if from.depth >= options.depth {
+        return;
+    }
+    for (weight, direction) in
+        [(surface.mirror, surface.mirrored(from.ray.direction)), (surface.refraction, surface.refracted)]
+    {
+        let beta = from.beta * surface.coverage * weight;
+        if beta.max_element() > options.cutoff {
+            let ray = surface.leave(direction);
+            next.push(WaveRay { ray, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
+        }
+    }
+}
+
+impl Surface {
+    /// The surface as a vertex that wants light, reached with throughput `beta`.
+    pub(super) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
+        Vertex {
+            position: self.position,
+            n: self.n,
+            ng: self.ng,
+            extent: self.extent,
+            weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
+            pixel,
+        }
+    }
+
+    /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
+    /// into the surface.
+    pub(super) fn mirrored(&self, direction: Vec3) -> Vec3 {
+        let d = direction.normalize();
+        let about = |n: Vec3| d - n * (2.0 * n.dot(d));
+        let mirrored = about(self.n);
+        if mirrored.dot(self.ng) > 0.0 { mirrored } else { about(self.ng) }
+    }
+
+    /// A ray from the surface along `direction`.
+    pub(super) fn leave(&self, direction: Vec3) -> Ray {
+        let side = if self.ng.dot(direction) < 0.0 { -self.ng } else { self.ng };
+        Ray::new(offset_origin(self.position, side, self.extent), direction)
+    }
+}

@@ -1,0 +1,151 @@
+//! The regular lattice: where mesh points are, and which brick holds them.
+//!
+//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point
+//! (i, j, k) is in brick (i / 8, j / 8, k / 8) at place `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has
+//! the index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
+//! 1 + 5 (0 + 3 · 2) = 31, at place 1 + 8 · 2 + 64 · 1 = 81.
+
+use glam::{UVec3, Vec3};
+
+use super::Coordinate;
+use super::bricks::Bricks;
+use crate::Error;
+use crate::geometry::Aabb;
+
+/// The lattice of a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Lattice {
+    origin: Vec3,
+    spacing: f32,
+    inv_spacing: f32,
+    size: UVec3,
+    bricks: UVec3,
+}
+
+impl Lattice {
+    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
+    /// through points, and go on `reach` cells beyond on every side.
+    pub(super) fn new(bounds: &Aabb, spacing: f32, reach: u32, max_memory: u64) -> Result<Self, Error> {
+        let too_fine = |needed_bytes| Error::OutOfMemory {
+            what: "the light mesh's table of bricks",
+            needed_bytes,
+            limit_bytes: max_memory,
+            advice: "choose a larger --spacing",
+        };
+        let cells = (bounds.size().as_dvec3() / f64::from(spacing)).ceil() + f64::from(2 * reach);
+        let bricks = (cells / 8.0).ceil();
+        let bytes = bricks.element_product() * Bricks::BYTES_PER_TABLE_ENTRY as f64;
+        // f32 positions keep at least a hundredth of a cell only while the lattice has fewer than 2¹⁷ cells a side.
+        if bytes.is_nan() || bytes > max_memory as f64 || cells.max_element() > f64::from(1 << 17) {
+            return Err(too_fine(bytes as u64));
+        }
+        Ok(Self {
+            origin: bounds.min - (reach as f32 - 0.5) * spacing,
+            spacing,
+            inv_spacing: 1.0 / spacing,
+            size: (bricks * 8.0).as_uvec3(),
+            bricks: bricks.as_uvec3(),
+        })
+    }
+
+    pub(super) fn spacing(&self) -> f32 {
+        self.spacing
+    }
+
+    pub(super) fn bricks(&self) -> UVec3 {
+        self.bricks
+    }
+
+    pub(super) fn brick_count(&self) -> usize {
+        self.bricks.as_u64vec3().element_product() as usize
+    }
+
+    /// Points of the whole lattice.
+    pub(super) fn point_count(&self) -> u64 {
+        self.size.as_u64vec3().element_product()
+    }
+
+    /// A point's position, metres.
+    pub(super) fn point(&self, coordinate: Coordinate) -> Vec3 {
+        self.origin + coordinate.as_vec3() * self.spacing
+    }
+
+    /// The lower corner of the cell that holds `p`, and where in the cell p is, each component in [0, 1]; a point outside
+    /// counts as the nearest one inside.
+    #[inline(always)]
+    pub(super) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
+        let last = (self.size - 2).as_vec3();
+        let x = (p - self.origin) * self.inv_spacing;
+        let base = x.floor().clamp(Vec3::ZERO, last);
+        (base.as_uvec3(), (x - base).clamp(Vec3::ZERO, Vec3::ONE))
+    }
+
+    /// The lattice points between two positions, both included, clamped to the lattice.
+    pub(super) fn range(&self, min: Vec3, max: Vec3) -> (Coordinate, Coordinate) {
+        let last = (self.size - 1).as_vec3();
+        let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(Vec3::ZERO, last);
+        let high = ((max - self.origin) * self.inv_spacing).floor().clamp(Vec3::ZERO, last);
+        (low.as_uvec3(), high.as_uvec3())
+    }
+
+    #[inline(always)]
+    pub(super) fn brick_index(&self, brick: UVec3) -> usize {
+        (brick.x + self.bricks.x * brick.y) as usize + (self.bricks.x * self.bricks.y) as usize * brick.z as usize
+    }
+
+    /// The coordinate of a place in a brick.
+    pub(super) fn coordinate(&self, brick_index: usize, local: usize) -> Coordinate {
+        let (i, l) = (brick_index as u32, local as u32);
+        let (bx, by) = (self.bricks.x, self.bricks.y);
+        let brick = UVec3::new(i % bx, i / bx % by, i / (bx * by));
+        brick * 8 + UVec3::new(l % 8, l / 8 % 8, l / 64)
+    }
+}
+
+/// The brick of a point and its place in it.
+#[inline(always)]
+pub(super) fn split(coordinate: Coordinate) -> (UVec3, usize) {
+    let local = coordinate & 7;
+    (coordinate >> 3, (local.x + 8 * local.y + 64 * local.z) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice() -> Lattice {
+        let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(9.0, 4.0, 10.0) };
+        Lattice::new(&bounds, 0.25, 1, 1 << 30).expect("small")
+    }
+
+    /// The example of the module's documentation, on its own lattice, and back.
+    #[test]
+    fn bricks_and_places_follow_the_formula() {
+        let l = Lattice { bricks: UVec3::new(5, 3, 4), ..lattice() };
+        let (brick, local) = split(UVec3::new(9, 2, 17));
+        assert_eq!((l.brick_index(brick), local), (31, 81));
+        assert_eq!(l.coordinate(31, 81), UVec3::new(9, 2, 17));
+    }
+
+    #[test]
+    fn a_cell_holds_its_point() {
+        let l = lattice();
+        for p in [Vec3::new(0.1, 0.2, 3.3), Vec3::new(-1.0, 0.0, 2.0), Vec3::new(9.0, 4.0, 10.0)] {
+            let (base, frac) = l.cell(p);
+            assert!((l.point(base) + frac * 0.25 - p).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_first_points_inside_stand_half_a_cell_off_the_walls() {
+        let l = lattice();
+        assert!((l.point(UVec3::ONE) - Vec3::new(-0.875, 0.125, 2.125)).length() < 1e-6);
+    }
+
+    #[test]
+    fn an_absurd_spacing_is_refused_before_anything_is_allocated() {
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
+        let error = Lattice::new(&bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
+        assert!(error.to_string().contains("memory"), "{error}");
+    }
+}

@@ -1,0 +1,69 @@
+//! Which points are wanted and still empty: bits that many threads set and one reads in order.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use super::bricks::Bricks;
+
+/// A bit per point of the bricks that somebody marked.
+#[derive(Debug)]
+pub(crate) struct Marks {
+    /// Eight words per brick index, made when the brick is first marked.
+    words: Vec<OnceLock<Box<[AtomicU64; 8]>>>,
+    /// The brick indices that have words, in the order of their first mark.
+    touched: Mutex<Vec<usize>>,
+}
+
+impl Marks {
+    /// No marks, for a lattice of so many bricks.
+    pub(super) fn new(bricks: usize) -> Self {
+        Self { words: (0..bricks).map(|_| OnceLock::new()).collect(), touched: Mutex::default() }
+    }
+
+    /// Marks place `local` of a brick. The result does not depend on the order of calls.
+    pub(super) fn set(&self, brick: usize, local: usize) {
+        let words = self.words[brick].get_or_init(|| {
+            self.touched.lock().unwrap_or_else(PoisonError::into_inner).push(brick);
+            Box::default()
+        });
+        words[local / 64].fetch_or(1 << (local % 64), Ordering::Relaxed);
+    }
+
+    /// The marked points as (brick, place), in that order, and how many of their bricks are new to `bricks`; clears the
+    /// marks.
+    pub(super) fn take(&mut self, bricks: &Bricks) -> (Vec<(usize, usize)>, u64) {
+        let touched = self.touched.get_mut().unwrap_or_else(PoisonError::into_inner);
+        touched.sort_unstable();
+        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
+        for brick in touched.drain(..) {
+            let Some(words) = self.words[brick].take() else { continue };
+            new_bricks += u64::from(!bricks.exists(brick));
+            for (i, word) in words.iter().enumerate() {
+                let mut bits = word.load(Ordering::Relaxed);
+                while bits != 0 {
+                    wanted.push((brick, i * 64 + bits.trailing_zeros() as usize));
+                    bits &= bits - 1;
+                }
+            }
+        }
+        (wanted, new_bricks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec3;
+
+    use super::*;
+
+    #[test]
+    fn marks_come_back_once_in_order_whoever_set_them_first() {
+        let bricks = Bricks::new(UVec3::new(4, 1, 1));
+        let mut marks = Marks::new(4);
+        for (brick, local) in [(3, 511), (0, 64), (3, 0), (0, 64), (0, 5)] {
+            marks.set(brick, local);
+        }
+        assert_eq!(marks.take(&bricks), (vec![(0, 5), (0, 64), (3, 0), (3, 511)], 2));
+        assert_eq!(marks.take(&bricks), (vec![], 0));
+    }
+}

@@ -1,0 +1,64 @@
+//! The front door: one picture of a scene.
+
+use std::time::Instant;
+
+use crate::film::Film;
+use crate::integrator::{Lighting, render_path, render_waves};
+use crate::{Camera, Error, Image, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
+
+/// A finished picture and what it took.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Linear, cd/m².
+    pub image: Image,
+    /// Times, rays and the state of the mesh.
+    pub stats: RenderStats,
+}
+
+/// Renders one picture in rayon's current thread pool. `mesh` is read and filled by [`Method::Mesh`] and
+/// [`Method::Paper`]; keep it between frames of the same scene, and what one frame filled the next one only reads.
+/// The picture is the same bit for bit whatever the number of threads, and whatever frames came before.
+///
+/// # Errors
+/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before an
+/// allocation that would exceed `options.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
+pub fn render(
+    scene: &Scene,
+    camera: &Camera,
+    options: &RenderOptions,
+    mesh: &mut LightMesh,
+    progress: &dyn Progress,
+) -> Result<Frame, Error> {
+    options.validate()?;
+    check_picture_memory(options)?;
+    let started = Instant::now();
+    let mut film = Film::new(camera, options);
+    let mut stats = match options.method {
+        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, progress)?,
+        Method::Path => render_path(scene, &mut film, options, progress)?,
+        Method::Mesh | Method::Paper => {
+            if !mesh.serves(options) {
+                let what = "the mesh was made for another method, falloff or interpolation".into();
+                return Err(Error::InvalidOption { option: "mesh", what });
+            }
+            render_waves(scene, &mut film, options, Lighting::Mesh(mesh), progress)?
+        }
+    };
+    let image = film.into_image();
+    stats.seconds.render = started.elapsed().as_secs_f64();
+    if matches!(options.method, Method::Mesh | Method::Paper) {
+        stats.direct = mesh.stats();
+    }
+    Ok(Frame { image, stats })
+}
+
+/// The film, and the finished picture beside it while it is made.
+fn check_picture_memory(options: &RenderOptions) -> Result<(), Error> {
+    let needed_bytes = 2 * Film::bytes(options);
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    if needed_bytes > options.max_memory || pixels > u64::from(u32::MAX) {
+        let advice = "choose a smaller --size";
+        return Err(Error::OutOfMemory { what: "the picture", needed_bytes, limit_bytes: options.max_memory, advice });
+    }
+    Ok(())
+}

@@ -1,0 +1,149 @@
+//! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
+
+use fearless_simd::Level;
+use glam::{Mat3, Vec3};
+
+use super::{AlphaMode, Light, LightSamples, Material, SceneData, validate};
+use crate::Error;
+use crate::bvh::SceneBvh;
+use crate::geometry::Aabb;
+
+/// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
+/// frames of it.
+#[derive(Debug)]
+pub struct Scene {
+    data: SceneData,
+    bvh: SceneBvh,
+    frames: Vec<InstanceFrame>,
+    lights: LightSamples,
+    solid: Vec<bool>,
+    all_solid: bool,
+    warnings: Vec<String>,
+    level: Level,
+}
+
+/// How an instance turns object space into world space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InstanceFrame {
+    /// Turns normals: the inverse transpose of the linear part, its sign that of the determinant, so that the front of a
+    /// mirrored instance stays its front.
+    pub normal_from_object: Mat3,
+    /// −1 for a mirroring transform, else 1.
+    pub handedness: f32,
+}
+
+impl Scene {
+    /// Checks `data` once and builds what rays need.
+    ///
+    /// # Errors
+    /// [`Error::InvalidScene`] names the object and value that is wrong; [`Error::EmptyScene`] if there is no surface.
+    pub fn new(mut data: SceneData) -> Result<Self, Error> {
+        let mut warnings = validate::check(&mut data)?;
+        warnings.extend(glossy_warning(&data.materials));
+        let bvh = SceneBvh::build(&data);
+        if bvh.bounds().is_empty() {
+            return Err(Error::EmptyScene);
+        }
+        let frames = data
+            .instances
+            .iter()
+            .map(|instance| {
+                let m = Mat3::from(instance.world_from_object.matrix3);
+                let handedness = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+                InstanceFrame { normal_from_object: cofactor(m), handedness }
+            })
+            .collect();
+        let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
+        let level = Level::new();
+        Ok(Self {
+            lights: LightSamples::from_lights(&data.lights),
+            all_solid: solid.iter().all(|&s| s),
+            data,
+            bvh,
+            frames,
+            solid,
+            warnings,
+            level,
+        })
+    }
+
+    /// The description it was built from, mended where [`Scene::warnings`] says so.
+    pub fn data(&self) -> &SceneData {
+        &self.data
+    }
+
+    /// The box around all surfaces, metres.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    /// What was mended or cannot be shown as the author meant, one sentence each.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The acceleration structure.
+    pub fn bvh(&self) -> &SceneBvh {
+        &self.bvh
+    }
+
+    /// Triangles that are in view of rays: those of a mesh count once per instance.
+    pub fn triangle_count(&self) -> u64 {
+        self.data.instances.iter().map(|i| self.data.meshes[i.mesh].triangles.len() as u64).sum()
+    }
+
+    /// How many light samples stand for all emitters.
+    pub fn light_sample_count(&self) -> u64 {
+        self.lights.len() as u64
+    }
+
+    pub(crate) fn lights(&self) -> &LightSamples {
+        &self.lights
+    }
+
+    pub(crate) fn frame(&self, instance: u32) -> &InstanceFrame {
+        &self.frames[instance as usize]
+    }
+
+    /// Whether a material stops every shadow ray.
+    pub(crate) fn is_solid(&self, material: usize) -> bool {
+        self.solid[material]
+    }
+
+    /// Whether all do, so that any hit is a shadow.
+    pub(crate) fn all_solid(&self) -> bool {
+        self.all_solid
+    }
+
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+}
+
+/// The matrix of cofactors, det(m) · m⁻ᵀ: turns cross products, and so normals, even where `m` has no inverse.
+fn cofactor(m: Mat3) -> Mat3 {
+    Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+fn blocks_light_fully(material: &Material) -> bool {
+    material.transmission == 0.0 && (material.alpha_mode == AlphaMode::Opaque)
+}
+
+/// Says which materials are glossier than what is rendered.
+fn glossy_warning(materials: &[Material]) -> Option<String> {
+    let names: Vec<&str> = materials.iter().filter(|m| m.falls_back_to_lambert()).map(|m| m.name.as_str()).collect();
+    let first = names.first()?;
+    Some(format!(
+        "{} material(s), \"{first}\" the first, are glossy; a roughness above {} is rendered as Lambert",
+        names.len(),
+        Material::MIRROR_ROUGHNESS
+    ))
+}
+
+impl SceneData {
+    /// Whether anything gives light: a punctual light, or a material that emits.
+    pub fn has_light(&self) -> bool {
+        let shines = |light: &Light| light.color() != Vec3::ZERO;
+        self.lights.iter().any(shines) || self.materials.iter().any(|m| m.emission != Vec3::ZERO)
+    }
+}

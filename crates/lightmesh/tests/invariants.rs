@@ -1,0 +1,101 @@
+//! Same input, same picture; warm or cold, one thread or two; cancelled or out of memory without a crash.
+
+mod common;
+
+use common::*;
+use glam::Vec3;
+use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, render};
+
+const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
+
+fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool").install(work)
+}
+
+#[test]
+fn pictures_do_not_depend_on_the_number_of_threads() {
+    let scene = Scene::new(room()).expect("scene");
+    for method in METHODS {
+        let options = RenderOptions { spp: 2, bounces: 2, ..options(method) };
+        let one = with_threads(1, || shoot(&scene, &room_camera(), &options));
+        let three = with_threads(3, || shoot(&scene, &room_camera(), &options));
+        assert_eq!(one.image, three.image, "{method:?}");
+    }
+}
+
+/// A warm mesh gives the picture of a cold one, and is not filled again.
+#[test]
+fn a_second_frame_only_reads() {
+    let scene = Scene::new(room()).expect("scene");
+    let options = options(Method::Mesh);
+    let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+    let first = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
+    let second = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
+    assert_eq!(first.image, second.image);
+    assert!(first.stats.rays.shadow > 0);
+    assert_eq!(second.stats.rays.shadow, 0);
+    assert_eq!(first.stats.direct, second.stats.direct);
+
+    // Which frame asked first does not matter: another camera's frame before it changes nothing.
+    let elsewhere = Camera::look_at(Vec3::new(-1.5, 2.5, -1.5), Vec3::new(0.0, 0.5, 0.5), 1.0);
+    let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+    render(&scene, &elsewhere, &options, &mut mesh, &()).expect("frame");
+    let third = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
+    assert_eq!(first.image, third.image);
+}
+
+#[test]
+fn a_mesh_refuses_options_that_it_was_not_made_for() {
+    let scene = Scene::new(room()).expect("scene");
+    let mut mesh = LightMesh::new(&scene, &options(Method::Mesh)).expect("mesh");
+    let error = render(&scene, &room_camera(), &options(Method::Paper), &mut mesh, &()).expect_err("other method");
+    assert!(matches!(error, Error::InvalidOption { .. }));
+}
+
+struct Stop;
+
+impl Progress for Stop {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn cancelling_ends_every_method() {
+    let scene = Scene::new(room()).expect("scene");
+    for method in METHODS {
+        let options = options(method);
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        let result = render(&scene, &room_camera(), &options, &mut mesh, &Stop);
+        assert!(matches!(result, Err(Error::Cancelled)), "{method:?}");
+    }
+}
+
+#[test]
+fn memory_is_checked_before_it_is_taken() {
+    let scene = Scene::new(room()).expect("scene");
+    let message = |options: &RenderOptions| {
+        let mut mesh = match LightMesh::new(&scene, options) {
+            Ok(mesh) => mesh,
+            Err(error) => return error.to_string(),
+        };
+        render(&scene, &room_camera(), options, &mut mesh, &()).expect_err("too much").to_string()
+    };
+    let huge = RenderOptions { width: 60_000, height: 60_000, ..options(Method::Mesh) };
+    assert!(message(&huge).contains("memory") && message(&huge).contains("--size"));
+    let fine = RenderOptions { spacing: Spacing::Metres(1e-9), ..options(Method::Mesh) };
+    assert!(message(&fine).contains("memory") && message(&fine).contains("--spacing"));
+    let tight = RenderOptions { spacing: Spacing::Metres(0.02), max_memory: 1 << 20, ..options(Method::Mesh) };
+    assert!(message(&tight).contains("memory"), "{}", message(&tight));
+}
+
+#[test]
+fn no_light_is_black_and_no_surface_is_an_error() {
+    let mut data = room();
+    data.lights.clear();
+    let scene = Scene::new(data).expect("scene");
+    for method in METHODS {
+        assert!(shoot(&scene, &room_camera(), &options(method)).image.pixels.iter().all(|&p| p == Vec3::ZERO));
+    }
+    assert!(matches!(Scene::new(lightmesh::SceneData::default()), Err(Error::EmptyScene)));
+}

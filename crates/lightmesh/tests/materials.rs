@@ -1,0 +1,166 @@
+//! Mirror, glass, transparency and emission.
+
+mod common;
+
+use std::f32::consts::PI;
+
+use common::*;
+use glam::Vec3;
+use lightmesh::geometry::Sphere;
+use lightmesh::{AlphaMode, Camera, Light, Material, Method, RenderOptions, Scene, SceneData};
+
+const TRACERS: [Method; 3] = [Method::Standard, Method::Mesh, Method::Path];
+
+fn sun(lux: f32) -> Light {
+    Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::splat(lux) }
+}
+
+fn middle(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Vec3 {
+    shoot(scene, camera, options).image.pixels[24 * 64 + 32]
+}
+
+fn panel(data: &mut SceneData, y: f32, material: Material) {
+    data.materials.push(material);
+    let c = |x: f32, z: f32| Vec3::new(x, y, z);
+    let mesh = quad([c(-2.0, 2.0), c(2.0, 2.0), c(2.0, -2.0), c(-2.0, -2.0)], data.materials.len() - 1);
+    place(data, mesh);
+}
+
+/// A BLEND panel over a white floor: shadow rays keep (1 − α) mix(1, base, α), the eye sees α · panel + (1 − α) · floor.
+#[test]
+fn a_blended_panel_casts_a_coloured_shadow_and_is_seen_through() {
+    let mut data = floor(Vec3::ONE);
+    data.lights.push(sun(PI));
+    let (base, alpha) = (Vec3::new(1.0, 0.5, 0.0), 0.4);
+    panel(&mut data, 1.0, Material { alpha, alpha_mode: AlphaMode::Blend, ..Material::lambert(base) });
+    let scene = Scene::new(data).expect("scene");
+    let shadow = (1.0 - alpha) * Vec3::ONE.lerp(base, alpha);
+    for method in TRACERS {
+        let options = RenderOptions { spp: if method == Method::Path { 4096 } else { 1 }, ..options(method) };
+        let options = RenderOptions { width: 1, height: 1, ..options };
+        let below = Camera::look_at(Vec3::new(0.0, 0.5, 0.0), Vec3::ZERO, 0.01);
+        let above = Camera::look_at(Vec3::new(0.0, 2.0, 0.0), Vec3::ZERO, 0.01);
+        let seen = |camera| shoot(&scene, camera, &options).image.pixels[0];
+        assert!((seen(&below) - shadow).length() < 1e-4, "{method:?}: {}", seen(&below));
+        let over = alpha * base + (1.0 - alpha) * shadow;
+        let tolerance = if method == Method::Path { 0.03 } else { 1e-4 };
+        assert!((seen(&above) - over).length() < tolerance, "{method:?}: {} {over}", seen(&above));
+    }
+}
+
+/// MASK below its cutoff is not there, above it is solid.
+#[test]
+fn a_mask_is_there_or_not() {
+    for (alpha, lit) in [(0.4, true), (0.6, false)] {
+        let mut data = floor(Vec3::ONE);
+        data.lights.push(sun(PI));
+        panel(&mut data, 1.0, Material { alpha, alpha_mode: AlphaMode::Mask { cutoff: 0.5 }, ..Material::default() });
+        let scene = Scene::new(data).expect("scene");
+        for method in TRACERS {
+            let below = Camera::look_at(Vec3::new(0.0, 0.5, 0.0), Vec3::ZERO, 0.01);
+            assert_eq!(middle(&scene, &below, &options(method)).x > 0.5, lit, "{method:?} {alpha}");
+        }
+    }
+}
+
+/// A metal with roughness 0 shows what it mirrors, times its base colour (Schlick at normal incidence).
+#[test]
+fn a_metal_mirror_shows_the_emitter_times_its_colour() {
+    let mut data = SceneData::default();
+    let gold = Vec3::new(1.0, 0.7, 0.3);
+    panel(&mut data, 0.0, Material { base_color: gold, metallic: 1.0, roughness: 0.0, ..Material::default() });
+    panel(&mut data, 4.0, Material { base_color: Vec3::ZERO, emission: Vec3::splat(5.0), ..Material::default() });
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 0.01);
+    for method in TRACERS {
+        assert!((middle(&scene, &camera, &options(method)) - 5.0 * gold).length() < 1e-2, "{method:?}");
+    }
+    let flat = RenderOptions { depth: 0, ..options(Method::Standard) };
+    assert_eq!(middle(&scene, &camera, &flat), Vec3::ZERO);
+}
+
+/// A smooth dielectric reflects F0 = ((1.5 − 1) / (1.5 + 1))² = 0.04 at normal incidence, and diffuses the rest.
+#[test]
+fn a_smooth_dielectric_splits_by_fresnel() {
+    let mut data = SceneData::default();
+    panel(&mut data, 0.0, Material { base_color: Vec3::splat(0.5), roughness: 0.0, ..Material::default() });
+    panel(&mut data, 4.0, Material { base_color: Vec3::ZERO, emission: Vec3::splat(10.0), ..Material::default() });
+    data.lights.push(point_light(Vec3::new(0.0, 2.0, 0.0), Vec3::splat(4.0 * PI)));
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 0.01);
+    let expected = 0.04 * 10.0 + 0.96 * 0.5;
+    assert!((middle(&scene, &camera, &options(Method::Standard)).x - expected).abs() < 2e-3);
+}
+
+/// Through the middle of a glass sphere a ray goes straight: (1 − F0)² of what is behind; and Snell's law holds at a block's
+/// upper face: sinθt = sinθ / 1.5 shifts what is seen below.
+#[test]
+fn glass_refracts() {
+    let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
+    let mut data = SceneData { materials: vec![glass], ..SceneData::default() };
+    data.spheres.push(Sphere { center: Vec3::new(0.0, 2.0, 0.0), radius: 0.5, material: 0 });
+    panel(&mut data, 0.0, Material { base_color: Vec3::ZERO, emission: Vec3::splat(10.0), ..Material::default() });
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 4.0, 0.0), Vec3::ZERO, 0.01);
+    let through = middle(&scene, &camera, &options(Method::Standard)).x;
+    // Between its faces the light bounces on: 0.96² (1 + 0.04² + ...) with F0 = 0.04.
+    let expected = 10.0 * 0.96 * 0.96 / (1.0 - 0.04 * 0.04);
+    assert!((through - expected).abs() < 0.02, "{through} {expected}");
+
+    // A block of glass, 1 m thick, on a floor whose left half emits. Seen at 45°, the ray lands sinθt / cosθt behind its entry.
+    let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
+    let mut data = SceneData { materials: vec![glass], ..SceneData::default() };
+    place(&mut data, cuboid(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 1.0, 3.0), 0));
+    data.materials.push(Material { base_color: Vec3::ZERO, emission: Vec3::splat(10.0), ..Material::default() });
+    let edge = 1.0 + (0.5_f32.sqrt() / 1.5).asin().tan();
+    let strip = |x0: f32, x1: f32| {
+        let c = |x: f32, z: f32| Vec3::new(x, -0.001, z);
+        quad([c(x0, 5.0), c(x1, 5.0), c(x1, -5.0), c(x0, -5.0)], 1)
+    };
+    for (from, seen) in [(edge + 0.05, false), (edge - 0.05, true)] {
+        let mut data = data.clone();
+        place(&mut data, strip(from, 9.0));
+        let scene = Scene::new(data).expect("scene");
+        // From (0, 2) at 45° down: enters the block at x = 1.
+        let camera = Camera::look_at(Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 1.0, 0.0), 0.01);
+        assert_eq!(middle(&scene, &camera, &options(Method::Standard)).x > 5.0, seen, "{from}");
+    }
+}
+
+/// Emission and unlit colours are seen as they are, whatever the light.
+#[test]
+fn emission_and_unlit_are_seen_directly() {
+    let mut data = SceneData::default();
+    panel(
+        &mut data,
+        0.0,
+        Material { emission: Vec3::new(1.0, 2.0, 3.0), base_color: Vec3::ZERO, ..Material::default() },
+    );
+    panel(&mut data, -1.0, Material { base_color: Vec3::new(0.1, 0.2, 0.3), unlit: true, ..Material::default() });
+    data.lights.push(sun(100.0));
+    let scene = Scene::new(data).expect("scene");
+    for method in TRACERS {
+        let above = Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 0.01);
+        assert_eq!(middle(&scene, &above, &options(method)), Vec3::new(1.0, 2.0, 3.0));
+        let below = Camera::look_at(Vec3::new(0.0, -2.0, 0.0), Vec3::NEG_Y, 0.01);
+        assert_eq!(middle(&scene, &below, &options(method)), Vec3::new(0.1, 0.2, 0.3));
+    }
+}
+
+/// Furnace: inside a closed box of albedo a and emission e the radiance is e / (1 − a) everywhere. Path tracing with 64
+/// bounces leaves out a⁶⁴.
+#[test]
+fn path_passes_the_furnace() {
+    for albedo in [0.2, 0.5, 0.8] {
+        let material = Material { emission: Vec3::ONE, ..Material::lambert(Vec3::splat(albedo)) };
+        let mut data = SceneData { materials: vec![material], ..SceneData::default() };
+        place(&mut data, inside_out(cuboid(Vec3::splat(-1.0), Vec3::splat(1.0), 0)));
+        let scene = Scene::new(data).expect("scene");
+        let options = RenderOptions { bounces: 64, spp: 64, width: 16, height: 16, ..options(Method::Path) };
+        let frame = shoot(&scene, &Camera::look_at(Vec3::ZERO, Vec3::new(0.3, 0.2, -1.0), 1.0), &options);
+        let mean = frame.image.pixels.iter().map(|p| f64::from(p.x)).sum::<f64>() / 256.0;
+        let expected = 1.0 / (1.0 - f64::from(albedo));
+        // Roulette's variance after four bounces: a few per mille of the mean over 16,384 paths (empirical).
+        assert!((mean / expected - 1.0).abs() < 0.01, "{albedo}: {mean} {expected}");
+    }
+}
