@@ -5,6 +5,7 @@
 //! between two triangles that share an edge.
 
 mod binary_tree;
+mod brute_force;
 mod collapse;
 mod flatten;
 mod hit;
@@ -16,6 +17,10 @@ mod traverse;
 mod triangle_block;
 mod triangle_bvh;
 
+#[cfg(test)]
+mod tests;
+
+pub use brute_force::closest_brute_force;
 pub use hit::{Hit, Target};
 pub use scene_bvh::SceneBvh;
 pub use triangle_bvh::TriangleBvh;

@@ -20,7 +20,7 @@ use crate::scene::SceneData;
 /// A ray's `t_min` must be ≥ 0 and its direction finite and not zero.
 #[derive(Clone, Debug)]
 pub struct SceneBvh {
-    level: Level,
+    pub(super) level: Level,
     world: TriangleBvh,
     /// Where in the world's numbering each flattened instance begins, ascending.
     flattened: Vec<FlattenedInstance>,
@@ -155,32 +155,5 @@ impl SceneBvh {
             self.world.any_hit(simd, ray, &mut stack, &mut world)
                 || self.top.as_ref().is_some_and(|top| top.any_hit(simd, ray, &self.meshes, &mut stack, accept))
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use glam::{Affine3A, Vec3};
-
-    use super::*;
-    use crate::scene::Instance;
-
-    #[test]
-    fn a_single_triangle_and_nothing_at_all() {
-        let empty = SceneBvh::build(&SceneData::default());
-        let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
-        assert!(empty.bounds().is_empty() && empty.closest(&ray).is_none() && !empty.occluded(&ray));
-        let mesh = TriangleMesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
-            triangles: vec![[0, 1, 2]],
-            ..Default::default()
-        };
-        let instance = Instance { mesh: 0, world_from_object: Affine3A::IDENTITY };
-        let data = SceneData { meshes: vec![mesh], instances: vec![instance], ..Default::default() };
-        let bvh = SceneBvh::build(&data);
-        let target = Target::Triangle { instance: 0, triangle: 0 };
-        assert_eq!(bvh.closest(&ray), Some(Hit { t: 1.0, u: 0.25, v: 0.25, target }));
-        assert!(bvh.occluded(&ray) && bvh.any_hit(&ray, |hit| hit.target == target));
-        assert!(!bvh.occluded(&Ray { t_max: 1.0, ..ray }) && !bvh.occluded(&Ray { t_min: 1.0, ..ray }));
     }
 }

@@ -177,17 +177,24 @@ impl TopLevel {
             &mut [0; STACK],
             #[inline(always)]
             |leaf, _| {
-                self.objects[leaf.items()].iter().any(|object| match &object.surface {
-                    Surface::Instance { mesh, object_from_world, .. } => meshes[*mesh].as_ref().is_some_and(|bvh| {
-                        let ray = object_from_world.ray(ray);
-                        simd.vectorize(
-                            #[inline(always)]
-                            || bvh.occluded(simd, &ray, mesh_stack),
-                        )
-                    }),
-                    Surface::Sphere { sphere, .. } => sphere.intersect(ray).is_some(),
-                    Surface::Shape { shape, .. } => shape.intersect(ray).is_some(),
-                })
+                for object in &self.objects[leaf.items()] {
+                    let met = match &object.surface {
+                        Surface::Instance { mesh, object_from_world, .. } => {
+                            let Some(bvh) = &meshes[*mesh] else { continue };
+                            let ray = object_from_world.ray(ray);
+                            simd.vectorize(
+                                #[inline(always)]
+                                || bvh.occluded(simd, &ray, mesh_stack),
+                            )
+                        }
+                        Surface::Sphere { sphere, .. } => sphere.intersect(ray).is_some(),
+                        Surface::Shape { shape, .. } => shape.intersect(ray).is_some(),
+                    };
+                    if met {
+                        return true;
+                    }
+                }
+                false
             },
         )
     }
@@ -212,21 +219,32 @@ impl TopLevel {
             &mut [0; STACK],
             #[inline(always)]
             |leaf, _| {
-                self.objects[leaf.items()].iter().any(|object| match &object.surface {
-                    Surface::Instance { instance, mesh, object_from_world } => {
-                        let mut offer = |TriangleHit { t, u, v, id }| {
-                            accept(&Hit { t, u, v, target: Target::Triangle { instance: *instance, triangle: id } })
-                        };
-                        let ray = object_from_world.ray(ray);
-                        meshes[*mesh].as_ref().is_some_and(|bvh| bvh.any_hit(simd, &ray, mesh_stack, &mut offer))
+                for object in &self.objects[leaf.items()] {
+                    let stop = match &object.surface {
+                        Surface::Instance { instance, mesh, object_from_world } => {
+                            let Some(bvh) = &meshes[*mesh] else { continue };
+                            let ray = object_from_world.ray(ray);
+                            let mut offer = |TriangleHit { t, u, v, id }| {
+                                let target = Target::Triangle { instance: *instance, triangle: id };
+                                accept(&Hit { t, u, v, target })
+                            };
+                            simd.vectorize(
+                                #[inline(always)]
+                                || bvh.any_hit(simd, &ray, mesh_stack, &mut offer),
+                            )
+                        }
+                        Surface::Sphere { index, sphere } => {
+                            crossings(ray, |ray| sphere.intersect(ray), |t| accept(&at(t, Target::Sphere(*index))))
+                        }
+                        Surface::Shape { index, shape } => {
+                            crossings(ray, |ray| shape.intersect(ray), |t| accept(&at(t, Target::Shape(*index))))
+                        }
+                    };
+                    if stop {
+                        return true;
                     }
-                    Surface::Sphere { index, sphere } => {
-                        crossings(ray, |ray| sphere.intersect(ray), |t| accept(&at(t, Target::Sphere(*index))))
-                    }
-                    Surface::Shape { index, shape } => {
-                        crossings(ray, |ray| shape.intersect(ray), |t| accept(&at(t, Target::Shape(*index))))
-                    }
-                })
+                }
+                false
             },
         )
     }
