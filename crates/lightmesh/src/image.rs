@@ -39,7 +39,7 @@ pub struct RayCounts {
     pub shadow: u64,
     /// From indirect mesh points, or a path's diffuse bounces.
     pub gather: u64,
-    /// Mirrored, refracted and passed through.
+    /// Mirrored, refracted and passed through, and those that find out whether mesh points are inside solids.
     pub secondary: u64,
 }
 

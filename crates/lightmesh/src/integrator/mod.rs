@@ -26,7 +26,7 @@ mod visibility;
 mod wave;
 
 pub(crate) use path::render_path;
-pub(crate) use sampling::Sampler;
+pub(crate) use sampling::{film_samples, hash};
 pub(crate) use surface::{Vertex, is_back_face};
 pub(crate) use visibility::{VisibilityScratch, visibility};
 pub(crate) use wave::{Lighting, render_waves};

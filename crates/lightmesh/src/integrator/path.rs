@@ -37,13 +37,10 @@ pub(crate) fn render_path(
             .map(|block| {
                 let mut tracer = PathTracer { scene, options, scratch: Scratch::default(), rays: RayCounts::default() };
                 let begin = first + block * BLOCK;
-                let samples = begin..(begin + BLOCK).min(end);
-                let radiance = samples
+                let radiance = camera
+                    .samples(begin..(begin + BLOCK).min(end))
                     .take_while(|_| !progress.cancelled())
-                    .map(|s| {
-                        let (pixel, ray, mut sampler) = camera.sample(s);
-                        (pixel, tracer.li(ray, &mut sampler))
-                    })
+                    .map(|s| (s.pixel, tracer.li(camera.ray(s), &mut Sampler::new(options.seed, s.pixel, s.index))))
                     .collect();
                 (radiance, tracer.rays)
             })

@@ -14,7 +14,7 @@ pub(crate) struct Sampler {
 }
 
 impl Sampler {
-    /// The `sample`-th of its pixel. Dimensions 0 and 1 are the film's.
+    /// Numbers for the `sample`-th path of its pixel.
     pub(crate) fn new(seed: u64, pixel: u32, sample: u32) -> Self {
         let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ pixel);
         Self { index: sample, seed, dimension: 0 }
@@ -33,6 +33,14 @@ impl Sampler {
         self.dimension += self.dimension % 2;
         Vec2::new(self.next(), self.next())
     }
+}
+
+/// Where `count` samples of a pixel lie in [0, 1)²: the centre for one, else Owen-scrambled Sobol points.
+pub(crate) fn film_samples(count: u32) -> Vec<Vec2> {
+    if count == 1 {
+        return vec![Vec2::splat(0.5)];
+    }
+    (0..count).map(|i| Vec2::new(sobol_burley::sample(i, 0, 0), sobol_burley::sample(i, 1, 0))).collect()
 }
 
 /// PCG's output hash of 32 bits (Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020, section 4).

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::direct::Scratch;
 use super::surface::{Surface, Vertex, evaluate};
 use crate::bvh::Hit;
-use crate::film::Film;
+use crate::film::{Film, Sample};
 use crate::geometry::{Ray, offset_origin};
-use crate::light_mesh::LightMesh;
+use crate::light_mesh::{LightMesh, Marks, Reading};
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
@@ -54,6 +54,8 @@ struct Block {
     emitted: Vec<(u32, Vec3)>,
     next: Vec<WaveRay>,
     irradiance: Vec<Vec3>,
+    /// Vertices that the mesh has not answered yet.
+    waiting: Vec<u32>,
     scratch: Scratch,
     shadow_rays: u64,
     fallbacks: u64,
@@ -85,10 +87,11 @@ pub(crate) fn render_waves(
             let begin = first + (i * BLOCK) as u64;
             let end = (begin + BLOCK as u64).min(first + count as u64);
             block.input.clear();
-            block.input.extend((begin..end).map(|s| {
-                let (pixel, ray, _) = camera.sample(s);
-                WaveRay { ray, beta: Vec3::ONE, pixel, depth: 0, layers: 0 }
-            }));
+            let camera_ray = |sample: Sample| {
+                let ray = camera.ray(sample);
+                WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
+            };
+            block.input.extend(camera.samples(begin..end).map(camera_ray));
             block.trace(scene, options);
         });
         stats.rays.primary += count as u64;
@@ -142,7 +145,7 @@ fn light(
     blocks: &mut [Block],
     options: &RenderOptions,
     lighting: &mut Lighting<'_>,
-    marks: Option<&mut crate::light_mesh::Marks>,
+    marks: Option<&mut Marks>,
     progress: &dyn Progress,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
@@ -150,27 +153,26 @@ fn light(
     cancelled()?;
     match (lighting, marks) {
         (Lighting::Mesh(mesh), Some(marks)) => {
-            // Demand and fill, until nothing that is read is empty.
+            let started = Instant::now();
+            blocks.par_iter_mut().for_each(|block| block.sum_unshadowed(scene, options));
+            stats.seconds.shade += started.elapsed().as_secs_f64();
+            // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
             loop {
                 let started = Instant::now();
-                let wanted =
-                    blocks.par_iter().map(|block| mesh.demand(&block.vertices, marks)).reduce(|| false, |a, b| a | b);
-                stats.seconds.demand += started.elapsed().as_secs_f64();
-                if !wanted {
+                blocks.par_iter_mut().for_each(|block| block.shade_by_mesh(scene, options, mesh, marks));
+                let waiting = blocks.iter().any(|block| !block.waiting.is_empty());
+                let step = if waiting { &mut stats.seconds.demand } else { &mut stats.seconds.shade };
+                *step += started.elapsed().as_secs_f64();
+                if !waiting {
                     break;
                 }
                 let started = Instant::now();
                 let fill = mesh.fill(scene, marks)?;
                 stats.rays.shadow += fill.shadow_rays;
-                stats.rays.gather += fill.probe_rays;
+                stats.rays.secondary += fill.probe_rays;
                 stats.seconds.fill_direct += started.elapsed().as_secs_f64();
                 cancelled()?;
             }
-            // Shade.
-            let started = Instant::now();
-            let mesh = &**mesh;
-            blocks.par_iter_mut().for_each(|block| block.shade_by_mesh(scene, options, mesh));
-            stats.seconds.shade += started.elapsed().as_secs_f64();
         }
         _ => {
             let started = Instant::now();
@@ -219,24 +221,34 @@ impl Block {
         }
     }
 
-    /// Formula (2) times formula (3g).
-    fn shade_by_mesh(&mut self, scene: &Scene, options: &RenderOptions, mesh: &LightMesh) {
+    /// Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
+    fn sum_unshadowed(&mut self, scene: &Scene, options: &RenderOptions) {
         let points = self.vertices.iter().map(|v| (v.position, v.n));
         scene.lights().irradiance(scene.level(), options.falloff, points, &mut self.irradiance);
-        for (vertex, irradiance) in self.vertices.iter().zip(&mut self.irradiance) {
-            if *irradiance == Vec3::ZERO {
-                continue;
-            }
-            match mesh.visibility(vertex) {
-                Some(visibility) => *irradiance *= visibility,
-                None => {
-                    let (exact, rays) = self.scratch.irradiance(scene, options.falloff, vertex);
+        self.waiting.clear();
+        let lit = |&i: &u32| self.irradiance[i as usize] != Vec3::ZERO;
+        self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
+    }
+
+    /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
+    /// waiting.
+    fn shade_by_mesh(&mut self, scene: &Scene, options: &RenderOptions, mesh: &LightMesh, marks: &Marks) {
+        let mut reader = mesh.reader();
+        let Self { waiting, vertices, irradiance, scratch, shadow_rays, fallbacks, .. } = self;
+        waiting.retain(|&i| {
+            let (vertex, irradiance) = (&vertices[i as usize], &mut irradiance[i as usize]);
+            match reader.read(vertex, marks) {
+                Reading::Visibility(visibility) => *irradiance *= visibility,
+                Reading::Nothing => {
+                    let (exact, rays) = scratch.irradiance(scene, options.falloff, vertex);
                     *irradiance = exact;
-                    self.shadow_rays += rays;
-                    self.fallbacks += 1;
+                    *shadow_rays += rays;
+                    *fallbacks += 1;
                 }
+                Reading::Empty => return true,
             }
-        }
+            false
+        });
     }
 }
 
@@ -252,14 +264,18 @@ fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, 
     if from.depth >= options.depth {
         return;
     }
-    for (weight, direction) in
-        [(surface.mirror, surface.mirrored(from.ray.direction)), (surface.refraction, surface.refracted)]
-    {
+    let mut follow = |weight: Vec3, direction: Vec3| {
         let beta = from.beta * surface.coverage * weight;
         if beta.max_element() > options.cutoff {
             let ray = surface.leave(direction);
             next.push(WaveRay { ray, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
         }
+    };
+    if surface.mirror != Vec3::ZERO {
+        follow(surface.mirror, surface.mirrored(from.ray.direction));
+    }
+    if surface.refraction != Vec3::ZERO {
+        follow(surface.refraction, surface.refracted);
     }
 }
 

@@ -76,8 +76,9 @@ impl Lattice {
     pub(super) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
         let last = (self.size - 2).as_vec3();
         let x = (p - self.origin) * self.inv_spacing;
-        let base = x.floor().clamp(Vec3::ZERO, last);
-        (base.as_uvec3(), (x - base).clamp(Vec3::ZERO, Vec3::ONE))
+        // Conversion cuts off what floor would: nothing is negative.
+        let base = x.clamp(Vec3::ZERO, last).as_uvec3();
+        (base, (x - base.as_vec3()).clamp(Vec3::ZERO, Vec3::ONE))
     }
 
     /// The lattice points between two positions, both included, clamped to the lattice.

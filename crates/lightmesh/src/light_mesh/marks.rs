@@ -26,7 +26,11 @@ impl Marks {
             self.touched.lock().unwrap_or_else(PoisonError::into_inner).push(brick);
             Box::default()
         });
-        words[local / 64].fetch_or(1 << (local % 64), Ordering::Relaxed);
+        // Look first: most marks are there already, and a look does not take the cache line from other threads.
+        let (word, bit) = (&words[local / 64], 1 << (local % 64));
+        if word.load(Ordering::Relaxed) & bit == 0 {
+            word.fetch_or(bit, Ordering::Relaxed);
+        }
     }
 
     /// The marked points as (brick, place), in that order, and how many of their bricks are new to `bricks`; clears the

@@ -1,8 +1,8 @@
 //! The light mesh: illumination at points of a lattice in space, computed when a surface first asks for it.
 //!
-//! A frame uses it in three steps, each a plain parallel loop: [`demand`](LightMesh::demand) marks the points that hits
-//! read and that are still empty, [`fill`](LightMesh::fill) evaluates them in brick order, and
-//! [`visibility`](LightMesh::visibility) interpolates. A point's value depends on the scene, the settings and the point
+//! A frame uses it in three steps, each a plain parallel loop: demand ([`Reader::read`] marks the points that hits read and
+//! that are still empty), fill ([`LightMesh::fill`] evaluates them in brick order), and shade ([`Reader::read`] interpolates).
+//! Reading is asking: where nothing is empty, the first step already is the last. A point's value depends on the scene, the settings and the point
 //! alone, so it does not matter who asked first.
 
 mod bricks;
@@ -10,17 +10,18 @@ mod evaluate;
 mod lattice;
 mod marks;
 mod neighbourhood;
+mod reader;
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{UVec3, Vec4};
 use rayon::prelude::*;
 
-use crate::integrator::Vertex;
 use crate::{Error, Falloff, MeshStats, Method, PaperScale, RenderOptions, Scene, Spacing};
 use bricks::{Bricks, Slot};
 use evaluate::Evaluator;
 use lattice::Lattice;
 pub(crate) use marks::Marks;
 use neighbourhood::Neighbourhood;
+pub(crate) use reader::{Reader, Reading};
 
 /// What one mesh point keeps: per channel and axis a pair, light that arrives and light that would arrive if nothing were
 /// in the way. Readers sum both over their neighbourhood and divide last, so that a point close to a lamp, which knows most
@@ -64,6 +65,7 @@ impl Field {
 #[derive(Debug)]
 pub struct LightMesh {
     lattice: Lattice,
+    spacing: Spacing,
     field: Field,
     neighbourhood: Neighbourhood,
     bricks: Bricks,
@@ -105,6 +107,7 @@ impl LightMesh {
         let constant = evaluate::papers_constant(scene, field);
         Ok(Self {
             lattice,
+            spacing: options.spacing,
             field,
             neighbourhood,
             bricks,
@@ -117,7 +120,8 @@ impl LightMesh {
 
     /// Whether frames with these options can use this mesh.
     pub fn serves(&self, options: &RenderOptions) -> bool {
-        self.field == Field::of(options)
+        self.spacing == options.spacing
+            && self.field == Field::of(options)
             && self.neighbourhood == Neighbourhood::new(options.method, options.interpolation)
     }
 
@@ -132,22 +136,22 @@ impl LightMesh {
         }
     }
 
-    /// Marks every point that the vertices read and that is still empty. Runs from many threads at once: marks are bits
-    /// that are only ever set, so their order does not matter. Returns whether anything was marked.
-    pub(crate) fn demand(&self, vertices: &[Vertex], marks: &Marks) -> bool {
-        let mut any = false;
-        for vertex in vertices {
-            self.neighbourhood.for_each(&self.lattice, vertex, |coordinate, _| {
-                let (brick, local) = lattice::split(coordinate);
-                let slot = self.bricks.slot(self.lattice.brick_index(brick), local);
-                if slot == Slot::Empty {
-                    marks.set(self.lattice.brick_index(brick), local);
-                    any = true;
-                }
-                slot
-            });
-        }
-        any
+    /// A reader for one thread.
+    pub(crate) fn reader(&self) -> Reader<'_> {
+        Reader::new(self)
+    }
+
+    #[inline(always)]
+    fn slot(&self, coordinate: Coordinate) -> Slot {
+        let (brick, local) = lattice::split(coordinate);
+        self.bricks.slot(self.lattice.brick_index(brick), local)
+    }
+
+    /// The values of a filled slot.
+    #[inline(always)]
+    fn values(&self, index: u32) -> &[Vec4] {
+        let stride = self.field.stride();
+        &self.values[index as usize * stride..][..stride]
     }
 
     /// Empty marks for this mesh.
@@ -217,53 +221,6 @@ impl LightMesh {
         }
         Ok(())
     }
-
-    /// Ĩ(y), formula (3g): the fraction of the unshadowed irradiance that arrives at the vertex, per channel; `None` if no
-    /// point of its neighbourhood can be used, or none knows of any light.
-    #[inline]
-    pub(crate) fn visibility(&self, vertex: &Vertex) -> Option<Vec3> {
-        let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
-        match self.field {
-            Field::SixAxis { .. } => {
-                // The ambient cube: the three axes that the normal faces, weighted by its squared components.
-                let n = vertex.n;
-                let squares = n * n;
-                let [x, y, z] = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
-                self.for_each_value(vertex, |values, weight| {
-                    let (wx, wy, wz) = (squares.x * weight, squares.y * weight, squares.z * weight);
-                    visible += values[2 * x] * wx + values[2 * y] * wy + values[2 * z] * wz;
-                    all += values[2 * x + 1] * wx + values[2 * y + 1] * wy + values[2 * z + 1] * wz;
-                });
-            }
-            Field::Scalar { .. } => self.for_each_value(vertex, |values, weight| {
-                visible += values[0] * weight;
-                all += values[1] * weight;
-            }),
-        }
-        let (visible, all) = (visible.truncate(), all.truncate());
-        let sum = all.element_sum();
-        // A channel without light takes what the others say.
-        (sum > 0.0).then(|| ratio(visible, all, Vec3::splat(visible.element_sum() / sum)))
-    }
-
-    #[inline(always)]
-    fn for_each_value(&self, vertex: &Vertex, mut visit: impl FnMut(&[Vec4], f32)) {
-        let stride = self.field.stride();
-        self.neighbourhood.for_each(&self.lattice, vertex, |coordinate, weight| {
-            let (brick, local) = lattice::split(coordinate);
-            let slot = self.bricks.slot(self.lattice.brick_index(brick), local);
-            if let Slot::Filled(index) = slot {
-                let first = index as usize * stride;
-                visit(&self.values[first..first + stride], weight);
-            }
-            slot
-        });
-    }
-}
-
-/// Componentwise a / b, and `otherwise` where b is 0.
-fn ratio(a: Vec3, b: Vec3, otherwise: Vec3) -> Vec3 {
-    Vec3::select(b.cmpgt(Vec3::ZERO), a / b.max(Vec3::splat(f32::MIN_POSITIVE)), otherwise)
 }
 
 /// A lattice coordinate: every component below 2²⁹.

@@ -5,7 +5,6 @@ use glam::{UVec3, Vec3};
 use super::Coordinate;
 use super::bricks::Slot;
 use super::lattice::Lattice;
-
 use crate::integrator::Vertex;
 use crate::{Interpolation, Method};
 
@@ -18,7 +17,7 @@ const NORMAL_OFFSET: f32 = 0.5;
 /// between corners. Keeps a flat wall on lattice planes from asking for the next plane because of rounding.
 const MIN_WEIGHT: f32 = 1e-3;
 
-/// The neighbourhood, with its weight φ4.
+/// Which points D_y holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Neighbourhood {
     Trilinear,
@@ -44,50 +43,45 @@ impl Neighbourhood {
             Self::Sphere { radius } => radius.ceil() as u32,
         }
     }
-
-    /// Calls `visit(point, weight)` for the points of D_y, always in the same order. Points behind the surface are left
-    /// out. `visit` says what it found at the point: the nearest usable one ends the search of [`Self::Nearest`].
-    #[inline(always)]
-    pub(super) fn for_each(self, lattice: &Lattice, vertex: &Vertex, visit: impl FnMut(Coordinate, f32) -> Slot) {
-        match self {
-            Self::Trilinear => trilinear(lattice, vertex, visit),
-            Self::Sphere { radius } => sphere(lattice, vertex, radius, visit),
-            Self::Nearest => nearest(lattice, vertex, visit),
-        }
-    }
 }
 
+/// The eight corners of the cell at a vertex: corner k is the cell's lower corner plus bit 0 of k in x, bit 1 in y and bit
+/// 2 in z.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stencil {
+    /// The cell's lower corner.
+    pub cell: Coordinate,
+    /// Trilinear weights; 0 for corners that are not read.
+    pub weights: [f32; 8],
+}
+
+/// Trilinear weights about the vertex; corners behind its surface are left out.
 #[inline(always)]
-fn trilinear(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(Coordinate, f32) -> Slot) {
+pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
     let h = lattice.spacing();
-    let (base, frac) = lattice.cell(vertex.position + vertex.ng * (NORMAL_OFFSET * h));
-    let height = vertex.ng.dot(lattice.point(base) - vertex.position);
+    let (cell, frac) = lattice.cell(vertex.position + vertex.ng * (NORMAL_OFFSET * h));
+    let height = vertex.ng.dot(lattice.point(cell) - vertex.position);
     let step = vertex.ng * h;
-    for corner in CORNERS {
-        let c = corner.as_vec3();
-        // Componentwise: frac where the corner is the upper one, 1 − frac where it is the lower.
-        let w = (Vec3::ONE - c) + (c + c - Vec3::ONE) * frac;
-        let weight = w.x * w.y * w.z;
-        if weight >= MIN_WEIGHT && height + step.dot(c) > 0.0 {
-            visit(base + corner, weight);
-        }
+    let rest = Vec3::ONE - frac;
+    let mut weights = [0.0; 8];
+    for (k, weight) in weights.iter_mut().enumerate() {
+        let (x, y, z) = (k & 1 != 0, k & 2 != 0, k & 4 != 0);
+        let pick = |upper: bool, a: f32, b: f32| if upper { a } else { b };
+        let w = pick(x, frac.x, rest.x) * pick(y, frac.y, rest.y) * pick(z, frac.z, rest.z);
+        let above = height + pick(x, step.x, 0.0) + pick(y, step.y, 0.0) + pick(z, step.z, 0.0);
+        *weight = if w >= MIN_WEIGHT && above > 0.0 { w } else { 0.0 };
     }
+    Stencil { cell, weights }
 }
 
-const CORNERS: [UVec3; 8] = [
-    UVec3::new(0, 0, 0),
-    UVec3::new(1, 0, 0),
-    UVec3::new(0, 1, 0),
-    UVec3::new(1, 1, 0),
-    UVec3::new(0, 0, 1),
-    UVec3::new(1, 0, 1),
-    UVec3::new(0, 1, 1),
-    UVec3::new(1, 1, 1),
-];
+/// The coordinate of corner k of a cell.
+#[inline(always)]
+pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
+    cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)
+}
 
 /// Every point within `radius` spacings, φ4 = 1.
-#[inline(always)]
-fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut(Coordinate, f32) -> Slot) {
+pub(super) fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut(Coordinate)) {
     let r = radius * lattice.spacing();
     let (low, high) = lattice.range(vertex.position - r, vertex.position + r);
     for z in low.z..=high.z {
@@ -96,26 +90,27 @@ fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut
                 let coordinate = UVec3::new(x, y, z);
                 let d = lattice.point(coordinate) - vertex.position;
                 if d.length_squared() <= r * r && vertex.ng.dot(d) > 0.0 {
-                    visit(coordinate, 1.0);
+                    visit(coordinate);
                 }
             }
         }
     }
 }
 
-/// The nearest of the cell's corners that is in front of the surface and usable.
-#[inline(always)]
-fn nearest(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(Coordinate, f32) -> Slot) {
+/// The cell's corners that are in front of the surface, the nearest first, until `visit` finds a usable one: it says what
+/// is at the point.
+pub(super) fn nearest(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
-    let mut corners = CORNERS.map(|corner| {
-        let d = lattice.point(base + corner) - vertex.position;
+    let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {
+        let coordinate = corner(base, k);
+        let d = lattice.point(coordinate) - vertex.position;
         let distance = if vertex.ng.dot(d) > 0.0 { d.length_squared() } else { f32::INFINITY };
-        (distance, base + corner)
+        (distance, coordinate)
     });
     // Stable: equal distances keep the order of the corners.
     corners.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (distance, coordinate) in corners {
-        if distance == f32::INFINITY || visit(coordinate, 1.0) != Slot::Invalid {
+        if distance == f32::INFINITY || visit(coordinate) != Slot::Invalid {
             return;
         }
     }

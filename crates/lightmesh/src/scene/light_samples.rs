@@ -258,14 +258,10 @@ fn shaped_lanes<S: Simd>(simd: S, block: &Block, extra: &Extra, falloff: Falloff
 /// The sum of all lanes, by halves: lane i + lane i + 8, then + 4, + 2, + 1.
 #[inline(always)]
 fn sum<S: Simd>(v: f32x16<S>) -> f32 {
-    let mut lanes = [0.0; LANES];
-    v.store_slice(&mut lanes);
-    for half in [8, 4, 2, 1] {
-        for i in 0..half {
-            lanes[i] += lanes[i + half];
-        }
-    }
-    lanes[0]
+    let (low, high) = v.split();
+    let (low, high) = (low + high).split();
+    let four = low + high;
+    (four[0] + four[2]) + (four[1] + four[3])
 }
 
 fn block(lights: &[&Light]) -> Block {
