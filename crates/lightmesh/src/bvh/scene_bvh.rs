@@ -22,17 +22,14 @@ use crate::scene::SceneData;
 pub struct SceneBvh {
     pub(super) level: Level,
     world: TriangleBvh,
-    /// Where in the world's numbering each flattened instance begins, ascending.
-    flattened: Vec<FlattenedInstance>,
+    /// The instance of each triangle of the world. (A search among the instances' first triangles instead of 4 B per
+    /// triangle costs mispredicted branches at every hit.)
+    owners: Vec<u32>,
+    /// Where in the world's numbering the triangles of an instance begin; 0 for those that are not in it.
+    firsts: Vec<u32>,
     /// Object-space trees; `None` for meshes that are flattened.
     meshes: Vec<Option<TriangleBvh>>,
     top: Option<TopLevel>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct FlattenedInstance {
-    first: u32,
-    instance: u32,
 }
 
 impl SceneBvh {
@@ -42,13 +39,15 @@ impl SceneBvh {
     pub fn build(data: &SceneData) -> Self {
         // Copy what is placed once into world space.
         let flat = flattened_meshes(data);
-        let (mut triangles, mut flattened, mut objects) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut triangles, mut owners, mut objects) = (Vec::new(), Vec::new(), Vec::new());
+        let mut firsts = vec![0; data.instances.len()];
         for (placed, instance) in data.instances.iter().zip(0..) {
             let Some(object_from_world) = ObjectFromWorld::new(placed) else { continue };
             let mesh = &data.meshes[placed.mesh];
             if flat[placed.mesh] {
-                flattened.push(FlattenedInstance { first: triangles.len() as u32, instance });
+                firsts[instance as usize] = triangles.len() as u32;
                 triangles.extend(corners(mesh, |p| placed.world_from_object.transform_point3(p)));
+                owners.resize(triangles.len(), instance);
             } else {
                 let bounds = mesh.bounds().transformed(&placed.world_from_object);
                 objects.push(Object::instance(bounds, instance, placed.mesh, object_from_world));
@@ -66,7 +65,7 @@ impl SceneBvh {
         objects.extend(data.spheres.iter().zip(0..).map(|(sphere, i)| Object::sphere(*sphere, i)));
         objects.extend(data.shapes.iter().zip(0..).map(|(entry, i)| Object::shape(entry.shape.clone(), i)));
         let top = TopLevel::build(objects);
-        Self { level: Level::new(), world, flattened, meshes, top }
+        Self { level: Level::new(), world, owners, firsts, meshes, top }
     }
 
     /// The box around everything that can be hit, metres in world space; [`Aabb::EMPTY`] if there is nothing.
@@ -77,8 +76,8 @@ impl SceneBvh {
     /// Memory held, bytes.
     pub fn bytes(&self) -> u64 {
         let meshes: u64 = self.meshes.iter().flatten().map(TriangleBvh::bytes).sum();
-        let flattened = self.flattened.len() * size_of::<FlattenedInstance>();
-        self.world.bytes() + meshes + flattened as u64 + self.top.as_ref().map_or(0, TopLevel::bytes)
+        let owners = (self.owners.len() + self.firsts.len()) * size_of::<u32>();
+        self.world.bytes() + meshes + owners as u64 + self.top.as_ref().map_or(0, TopLevel::bytes)
     }
 
     /// The first surface that the ray meets in (t_min, t_max); of several at the same t the lowest [`Target`].
@@ -125,9 +124,8 @@ impl SceneBvh {
 
     /// The target of a triangle of the flattened world.
     fn world_target(&self, id: u32) -> Target {
-        let FlattenedInstance { first, instance } =
-            self.flattened[self.flattened.partition_point(|f| f.first <= id).saturating_sub(1)];
-        Target::Triangle { instance, triangle: id - first }
+        let instance = self.owners[id as usize];
+        Target::Triangle { instance, triangle: id - self.firsts[instance as usize] }
     }
 
     #[inline(always)]
