@@ -9,8 +9,7 @@ use crate::integrator::{film_samples, hash};
 use crate::scene::FilmRays;
 use crate::{Camera, Image, RenderOptions};
 
-/// Edge of the square tiles, in pixels, in whose order samples are taken: their rays hit neighbouring surfaces, and the 1024
-/// pixels of a tile are one block of rays.
+/// Edge of the square tiles, in pixels, in whose order samples are taken: their rays hit neighbouring surfaces.
 const TILE: u32 = 32;
 
 /// Accumulates radiance with a box filter of one pixel.
@@ -20,8 +19,8 @@ pub(crate) struct Film {
     width: u32,
     height: u32,
     seed: u64,
-    /// Where in [0, 1)² a pixel's samples lie before the pixel's own shift.
-    offsets: Vec<Vec2>,
+    /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
+    offsets: Vec<[u32; 2]>,
     pixels: Vec<Vec3>,
 }
 
@@ -103,13 +102,16 @@ impl Film {
     }
 
     /// The camera ray of a sample. A single sample goes through the pixel's centre; more are the points of one Sobol set,
-    /// shifted around the pixel by a vector of the pixel's own (Cranley and Patterson 1976).
+    /// whose digits are scrambled by the pixel's own bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002):
+    /// strata stay strata.
     pub(crate) fn ray(&self, sample: Sample) -> Ray {
-        let mut offset = self.offsets[sample.index as usize];
+        let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
             let bits = hash(hash(self.seed as u32 ^ hash((self.seed >> 32) as u32)) ^ sample.pixel);
-            let shift = Vec2::new((bits >> 16) as f32, (bits & 0xffff) as f32) * (1.0 / 65536.0);
-            offset = offset + shift - (offset + shift).floor();
+            let [x, y] = self.offsets[sample.index as usize];
+            // 24 bits: what f32 holds below 1.
+            let unit = |digits: u32| (digits >> 8) as f32 * (1.0 / (1 << 24) as f32);
+            offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
         }
         self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y)
     }
@@ -153,6 +155,24 @@ mod tests {
                     "{width}x{height} from {start}"
                 );
             }
+        }
+    }
+
+    /// Sixteen samples fill the 4 × 4 strata of their pixel, one each.
+    #[test]
+    fn samples_are_stratified() {
+        let film = film(40, 40, 16);
+        for pixel in [0, 777] {
+            let mut strata: Vec<(u32, u32)> = film
+                .samples(pixel * 16..pixel * 16 + 16)
+                .map(|s| {
+                    let p = film.rays.position(&film.ray(s)) - Vec2::new(s.x as f32, s.y as f32);
+                    ((p.x * 4.0) as u32, (p.y * 4.0) as u32)
+                })
+                .collect();
+            strata.sort_unstable();
+            strata.dedup();
+            assert_eq!(strata.len(), 16);
         }
     }
 

@@ -35,12 +35,10 @@ impl Sampler {
     }
 }
 
-/// Where `count` samples of a pixel lie in [0, 1)²: the centre for one, else Owen-scrambled Sobol points.
-pub(crate) fn film_samples(count: u32) -> Vec<Vec2> {
-    if count == 1 {
-        return vec![Vec2::splat(0.5)];
-    }
-    (0..count).map(|i| Vec2::new(sobol_burley::sample(i, 0, 0), sobol_burley::sample(i, 1, 0))).collect()
+/// Where `count` samples of a pixel lie in [0, 1)², in units of 2⁻³²: Owen-scrambled Sobol points.
+pub(crate) fn film_samples(count: u32) -> Vec<[u32; 2]> {
+    let digits = |i, dimension| (sobol_burley::sample(i, dimension, 0) * (1_u64 << 32) as f32) as u32;
+    (0..count).map(|i| [digits(i, 0), digits(i, 1)]).collect()
 }
 
 /// PCG's output hash of 32 bits (Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020, section 4).

@@ -1,5 +1,6 @@
 //! Waves: camera rays → hits → light → film, and mirrored, refracted and passed-through rays as the next wave.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use glam::Vec3;
@@ -14,10 +15,13 @@ use crate::light_mesh::{LightMesh, Marks, Reading};
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
-const BLOCK: usize = 1024;
+const BLOCK: usize = 512;
 
-/// Blocks per wave: a wave's hits stay within a few MiB, and its steps are long against their barriers.
+/// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
 const BLOCKS_PER_WAVE: usize = 128;
+
+/// Rays per wave. A fixed number: the order in which a pixel's light is summed must not depend on the machine.
+const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
 
 /// BLEND and MASK layers that a ray may pass in a row.
 pub(super) const MAX_LAYERS: u8 = 64;
@@ -77,62 +81,50 @@ pub(crate) fn render_waves(
     };
     let total = film.sample_count();
     let mut first = 0;
-    while first < total {
-        // Camera rays: a wave of whole samples.
-        let count = (total - first).min((BLOCK * BLOCKS_PER_WAVE) as u64) as usize;
-        let mut used = count.div_ceil(BLOCK);
+    // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
+    // them for each mirror and refraction event.
+    let mut queue: Vec<WaveRay> = Vec::new();
+    while first < total || !queue.is_empty() {
+        // Camera rays, or the next of those that go on.
         let started = Instant::now();
-        let camera = &*film;
-        blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
-            let begin = first + (i * BLOCK) as u64;
-            let end = (begin + BLOCK as u64).min(first + count as u64);
-            block.input.clear();
-            let camera_ray = |sample: Sample| {
-                let ray = camera.ray(sample);
-                WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
-            };
-            block.input.extend(camera.samples(begin..end).map(camera_ray));
-            block.trace(scene, options);
-        });
-        stats.rays.primary += count as u64;
-        stats.seconds.primary += started.elapsed().as_secs_f64();
-
-        loop {
-            light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), progress, &mut stats)?;
-
-            // To the film, in order.
-            let started = Instant::now();
-            let mut next = Vec::new();
-            for block in &mut blocks[..used] {
-                for &(pixel, radiance) in &block.emitted {
-                    film.add(pixel, radiance);
-                }
-                for (vertex, &irradiance) in block.vertices.iter().zip(&block.irradiance) {
-                    film.add(vertex.pixel, vertex.weight * irradiance);
-                }
-                next.append(&mut block.next);
-                stats.rays.shadow += std::mem::take(&mut block.shadow_rays);
-                stats.exact_fallbacks += std::mem::take(&mut block.fallbacks);
-            }
-            if next.is_empty() {
-                stats.seconds.shade += started.elapsed().as_secs_f64();
-                break;
-            }
-
-            // The next wave, in the same order.
-            stats.rays.secondary += next.len() as u64;
-            used = next.len().div_ceil(BLOCK);
-            if blocks.len() < used {
-                blocks.resize_with(used, Block::default);
-            }
-            blocks[..used].par_iter_mut().zip(next.par_chunks(BLOCK)).for_each(|(block, rays)| {
+        let used;
+        if queue.is_empty() {
+            let count = (total - first).min(WAVE as u64);
+            used = count.div_ceil(BLOCK as u64) as usize;
+            let camera = &*film;
+            blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
+                let begin = first + (i * BLOCK) as u64;
+                block.take_camera_rays(camera, begin..(begin + BLOCK as u64).min(first + count));
+                block.trace(scene, options);
+            });
+            first += count;
+            stats.rays.primary += count;
+            stats.seconds.primary += started.elapsed().as_secs_f64();
+        } else {
+            let rest = queue.len().saturating_sub(WAVE);
+            let wave = &queue[rest..];
+            used = wave.len().div_ceil(BLOCK);
+            stats.rays.secondary += wave.len() as u64;
+            blocks[..used].par_iter_mut().zip(wave.par_chunks(BLOCK)).for_each(|(block, rays)| {
                 block.input.clear();
                 block.input.extend_from_slice(rays);
                 block.trace(scene, options);
             });
+            queue.truncate(rest);
             stats.seconds.shade += started.elapsed().as_secs_f64();
         }
-        first += count as u64;
+
+        light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), progress, &mut stats)?;
+
+        // To the film and the queue, in order.
+        let started = Instant::now();
+        for block in &mut blocks[..used] {
+            block.add_to(film);
+            queue.append(&mut block.next);
+            stats.rays.shadow += std::mem::take(&mut block.shadow_rays);
+            stats.exact_fallbacks += std::mem::take(&mut block.fallbacks);
+        }
+        stats.seconds.shade += started.elapsed().as_secs_f64();
         let rays = stats.rays.primary + stats.rays.shadow + stats.rays.secondary;
         progress.report(Stage::Render, first, total, rays);
     }
@@ -184,6 +176,23 @@ fn light(
 }
 
 impl Block {
+    fn take_camera_rays(&mut self, film: &Film, samples: Range<u64>) {
+        self.input.clear();
+        self.input.extend(film.samples(samples).map(|sample: Sample| {
+            let ray = film.ray(sample);
+            WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
+        }));
+    }
+
+    fn add_to(&self, film: &mut Film) {
+        for &(pixel, radiance) in &self.emitted {
+            film.add(pixel, radiance);
+        }
+        for (vertex, &irradiance) in self.vertices.iter().zip(&self.irradiance) {
+            film.add(vertex.pixel, vertex.weight * irradiance);
+        }
+    }
+
     /// Traces the input rays and evaluates what they hit.
     fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
         self.rays.clear();

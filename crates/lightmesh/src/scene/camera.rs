@@ -112,6 +112,14 @@ impl FilmRays {
             Ray::new(self.eye, (self.forward + offset).normalize())
         }
     }
+
+    /// The film position of a perspective camera's ray: the inverse of [`FilmRays::ray`].
+    #[cfg(test)]
+    pub(crate) fn position(&self, ray: &Ray) -> glam::Vec2 {
+        let offset = ray.direction / ray.direction.dot(self.forward) - self.forward;
+        let along = |axis: Vec3| offset.dot(axis) / axis.length_squared();
+        glam::Vec2::new(along(self.dx) + self.center_x, along(self.dy) + self.center_y)
+    }
 }
 
 #[cfg(test)]
