@@ -147,6 +147,11 @@ impl LightMesh {
         self.bricks.slot(self.lattice.brick_index(brick), local)
     }
 
+    fn mark(&self, coordinate: Coordinate, marks: &Marks) {
+        let (brick, local) = lattice::split(coordinate);
+        marks.set(self.lattice.brick_index(brick), local);
+    }
+
     /// The values of a filled slot.
     #[inline(always)]
     fn values(&self, index: u32) -> &[Vec4] {

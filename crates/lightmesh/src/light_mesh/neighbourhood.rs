@@ -51,8 +51,10 @@ impl Neighbourhood {
 pub(super) struct Stencil {
     /// The cell's lower corner.
     pub cell: Coordinate,
-    /// Trilinear weights; 0 for corners that are not read.
+    /// Trilinear weights.
     pub weights: [f32; 8],
+    /// Which corners are read, a bit each.
+    pub read: u8,
 }
 
 /// Trilinear weights about the vertex; corners behind its surface are left out.
@@ -63,15 +65,15 @@ pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
     let height = vertex.ng.dot(lattice.point(cell) - vertex.position);
     let step = vertex.ng * h;
     let rest = Vec3::ONE - frac;
-    let mut weights = [0.0; 8];
+    let (mut weights, mut read) = ([0.0; 8], 0);
     for (k, weight) in weights.iter_mut().enumerate() {
         let (x, y, z) = (k & 1 != 0, k & 2 != 0, k & 4 != 0);
         let pick = |upper: bool, a: f32, b: f32| if upper { a } else { b };
-        let w = pick(x, frac.x, rest.x) * pick(y, frac.y, rest.y) * pick(z, frac.z, rest.z);
+        *weight = pick(x, frac.x, rest.x) * pick(y, frac.y, rest.y) * pick(z, frac.z, rest.z);
         let above = height + pick(x, step.x, 0.0) + pick(y, step.y, 0.0) + pick(z, step.z, 0.0);
-        *weight = if w >= MIN_WEIGHT && above > 0.0 { w } else { 0.0 };
+        read |= u8::from(*weight >= MIN_WEIGHT && above > 0.0) << k;
     }
-    Stencil { cell, weights }
+    Stencil { cell, weights, read }
 }
 
 /// The coordinate of corner k of a cell.
@@ -81,7 +83,7 @@ pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
 }
 
 /// Every point within `radius` spacings, φ4 = 1.
-pub(super) fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut(Coordinate)) {
+pub(super) fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut(Coordinate) -> Slot) {
     let r = radius * lattice.spacing();
     let (low, high) = lattice.range(vertex.position - r, vertex.position + r);
     for z in low.z..=high.z {

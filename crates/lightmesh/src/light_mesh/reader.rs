@@ -3,8 +3,8 @@
 use glam::{UVec3, Vec3, Vec4};
 
 use super::bricks::Slot;
-use super::neighbourhood::{Neighbourhood, Stencil, corner, nearest, sphere, trilinear};
-use super::{Coordinate, Field, LightMesh, Marks, lattice};
+use super::neighbourhood::{Neighbourhood, corner, nearest, sphere, trilinear};
+use super::{Coordinate, Field, LightMesh, Marks};
 use crate::integrator::Vertex;
 
 /// Reads a mesh vertex by vertex. It keeps the slots of the last cell: neighbouring pixels mostly share it.
@@ -13,6 +13,9 @@ pub(crate) struct Reader<'a> {
     mesh: &'a LightMesh,
     cell: Coordinate,
     slots: [Slot; 8],
+    /// Which of the slots are empty, a bit each, and which of those have been marked.
+    empty: u8,
+    marked: u8,
 }
 
 /// What a vertex finds in the mesh.
@@ -48,7 +51,7 @@ impl Axes {
 
 impl<'a> Reader<'a> {
     pub(super) fn new(mesh: &'a LightMesh) -> Self {
-        Self { mesh, cell: UVec3::MAX, slots: [Slot::Empty; 8] }
+        Self { mesh, cell: UVec3::MAX, slots: [Slot::Empty; 8], empty: 0, marked: 0 }
     }
 
     /// Ĩ(y), formula (3g), if every point that the vertex reads has been evaluated. Those that are still empty are marked
@@ -56,47 +59,70 @@ impl<'a> Reader<'a> {
     pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
         let mesh = self.mesh;
         let axes = Axes::facing(vertex.n);
+        if mesh.neighbourhood == Neighbourhood::Trilinear {
+            return self.read_cell(vertex, &axes, marks);
+        }
         let (mut sums, mut empty) = (Sums::default(), false);
-        let mut visit = |coordinate: Coordinate, slot: Slot, weight: f32| match slot {
-            Slot::Filled(index) => sums.add(mesh, index, &axes, weight),
-            Slot::Invalid => {}
-            Slot::Empty => {
-                let (brick, local) = lattice::split(coordinate);
-                marks.set(mesh.lattice.brick_index(brick), local);
-                empty = true;
-            }
-        };
-        match mesh.neighbourhood {
-            Neighbourhood::Trilinear => {
-                let stencil = self.enter(vertex);
-                for k in 0..8 {
-                    if stencil.weights[k] > 0.0 {
-                        visit(corner(stencil.cell, k), self.slots[k], stencil.weights[k]);
-                    }
+        let visit = |coordinate: Coordinate| {
+            let slot = mesh.slot(coordinate);
+            match slot {
+                Slot::Filled(index) => sums.add(mesh, index, &axes, 1.0),
+                Slot::Invalid => {}
+                Slot::Empty => {
+                    mesh.mark(coordinate, marks);
+                    empty = true;
                 }
             }
-            Neighbourhood::Sphere { radius } => sphere(&mesh.lattice, vertex, radius, |coordinate| {
-                visit(coordinate, mesh.slot(coordinate), 1.0);
-            }),
-            Neighbourhood::Nearest => nearest(&mesh.lattice, vertex, |coordinate| {
-                let slot = mesh.slot(coordinate);
-                visit(coordinate, slot, 1.0);
-                slot
-            }),
+            slot
+        };
+        match mesh.neighbourhood {
+            Neighbourhood::Sphere { radius } => sphere(&mesh.lattice, vertex, radius, visit),
+            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&mesh.lattice, vertex, visit),
         }
-        if empty { Reading::Empty } else { sums.ratio().map_or(Reading::Nothing, Reading::Visibility) }
+        if empty { Reading::Empty } else { sums.reading() }
     }
 
-    /// The stencil of a vertex, with its cell's slots at hand.
-    #[inline(always)]
-    fn enter(&mut self, vertex: &Vertex) -> Stencil {
+    /// [`Self::read`] for the corners of the vertex' cell.
+    #[inline]
+    fn read_cell(&mut self, vertex: &Vertex, axes: &Axes, marks: &Marks) -> Reading {
         let stencil = trilinear(&self.mesh.lattice, vertex);
         if stencil.cell != self.cell {
-            self.cell = stencil.cell;
-            self.slots = std::array::from_fn(|k| self.mesh.slot(corner(stencil.cell, k)));
+            self.enter(stencil.cell);
         }
-        stencil
+        let empty = stencil.read & self.empty;
+        if empty != 0 {
+            for k in bits(empty & !self.marked) {
+                self.mesh.mark(corner(self.cell, k), marks);
+            }
+            self.marked |= empty;
+            return Reading::Empty;
+        }
+        let mut sums = Sums::default();
+        for k in bits(stencil.read) {
+            if let Slot::Filled(index) = self.slots[k] {
+                sums.add(self.mesh, index, axes, stencil.weights[k]);
+            }
+        }
+        sums.reading()
     }
+
+    /// Looks up the corners of another cell.
+    fn enter(&mut self, cell: Coordinate) {
+        self.cell = cell;
+        self.slots = std::array::from_fn(|k| self.mesh.slot(corner(cell, k)));
+        let is_empty = |k: usize| u8::from(self.slots[k] == Slot::Empty) << k;
+        (self.empty, self.marked) = ((0..8).map(is_empty).sum(), 0);
+    }
+}
+
+/// The places of the set bits, ascending.
+#[inline(always)]
+fn bits(mut mask: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let k = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (k < 8).then_some(k)
+    })
 }
 
 impl Sums {
@@ -118,12 +144,15 @@ impl Sums {
         }
     }
 
-    fn ratio(self) -> Option<Vec3> {
+    fn reading(self) -> Reading {
         let (visible, all) = (self.visible.truncate(), self.all.truncate());
         let sum = all.element_sum();
+        if sum <= 0.0 {
+            return Reading::Nothing;
+        }
         // A channel without light takes what the others say.
         let otherwise = Vec3::splat(visible.element_sum() / sum);
-        let ratio = Vec3::select(all.cmpgt(Vec3::ZERO), visible / all.max(Vec3::splat(f32::MIN_POSITIVE)), otherwise);
-        (sum > 0.0).then_some(ratio)
+        let ratio = visible / all.max(Vec3::splat(f32::MIN_POSITIVE));
+        Reading::Visibility(Vec3::select(all.cmpgt(Vec3::ZERO), ratio, otherwise))
     }
 }
