@@ -5,9 +5,12 @@ mod common;
 use std::f32::consts::PI;
 
 use common::*;
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 use lightmesh::geometry::Sphere;
-use lightmesh::{AlphaMode, Camera, Light, Material, Method, RenderOptions, Scene, SceneData};
+use lightmesh::{
+    AlphaMode, Camera, Filter, ImageData, Light, Material, Method, RenderOptions, Scene, SceneData, Texels, Texture,
+    TextureRef, UvTransform, Wrap,
+};
 
 const TRACERS: [Method; 3] = [Method::Standard, Method::Mesh, Method::Path];
 
@@ -162,5 +165,42 @@ fn path_passes_the_furnace() {
         let expected = 1.0 / (1.0 - f64::from(albedo));
         // Roulette's variance after four bounces: a few per mille of the mean over 16,384 paths (empirical).
         assert!((mean / expected - 1.0).abs() < 0.01, "{albedo}: {mean} {expected}");
+    }
+}
+
+/// A normal map's green is up in the picture, its red to the right: (½ ± x, ½ ± y) lean the normal that way. The panel
+/// faces +Y with u along +X and v along +Z (down in the picture), so "up" is −Z. From both sides of the panel, with given
+/// tangents and with those derived from the texture coordinates.
+#[test]
+fn normal_maps_lean_the_way_they_are_painted() {
+    let lean = 0.6_f32;
+    for (texel, toward) in [([204, 128, 230, 255], Vec3::X), ([128, 204, 230, 255], Vec3::NEG_Z)] {
+        for with_tangents in [false, true] {
+            let image = ImageData { name: String::new(), width: 1, height: 1, texels: Texels::Rgba8([texel].into()) };
+            let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Nearest };
+            let map = TextureRef { texture: 0, uv_set: 0, transform: UvTransform::default() };
+            let mut data = SceneData { images: vec![image], textures: vec![texture], ..SceneData::default() };
+            panel(&mut data, 0.0, Material { normal_texture: Some(map), ..Material::lambert(Vec3::ONE) });
+            let mesh = &mut data.meshes[0];
+            mesh.uvs[0] = mesh.positions.iter().map(|p| Vec2::new(p.x, p.z)).collect();
+            if with_tangents {
+                // glTF: bitangent = (n × t) · w; Y × X = −Z, which is up.
+                mesh.normals = vec![Vec3::Y; 4];
+                mesh.tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
+            }
+            // Light from straight above the leaning normal is brighter than from the other side, by the ratio of cosines.
+            let mut bright = |direction: Vec3, eye: f32| {
+                data.lights = vec![Light::Directional { direction: -direction, illuminance_lux: Vec3::splat(PI) }];
+                let scene = Scene::new(data.clone()).expect("scene");
+                let camera = Camera::look_at(Vec3::new(0.0, eye, 0.0), Vec3::ZERO, 0.01);
+                middle(&scene, &camera, &options(Method::Standard)).x
+            };
+            for (eye, up) in [(1.0, Vec3::Y), (-1.0, Vec3::NEG_Y)] {
+                let (near, far) = (bright(up * 0.8 + toward * lean, eye), bright(up * 0.8 - toward * lean, eye));
+                // From behind, glTF turns the whole frame over: what leaned toward X leans away from it.
+                let (near, far) = if eye > 0.0 { (near, far) } else { (far, near) };
+                assert!(near > 0.97 && far < 0.4, "{texel:?} {with_tangents} {eye}: {near} {far}");
+            }
+        }
     }
 }
