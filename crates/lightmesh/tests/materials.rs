@@ -7,6 +7,7 @@ use std::f32::consts::PI;
 use common::*;
 use glam::{Vec2, Vec3, Vec4};
 use lightmesh::geometry::Sphere;
+use lightmesh::metrics::difference;
 use lightmesh::{
     AlphaMode, Camera, Filter, ImageData, Light, Material, Method, RenderOptions, Scene, SceneData, Texels, Texture,
     TextureRef, UvTransform, Wrap,
@@ -203,4 +204,23 @@ fn normal_maps_lean_the_way_they_are_painted() {
             }
         }
     }
+}
+
+/// What a mirror shows takes its light from the mesh like what is seen directly: no shadow ray but those of mesh points.
+#[test]
+fn mirrored_hits_read_the_mesh() {
+    let mut data = floor(Vec3::splat(0.8));
+    data.lights.push(point_light(Vec3::new(1.0, 2.0, 1.0), Vec3::splat(50.0)));
+    data.materials.push(Material { metallic: 1.0, roughness: 0.0, ..Material::default() });
+    let c = |x: f32, y: f32| Vec3::new(x, y, -3.0);
+    place(&mut data, quad([c(-6.0, -1.0), c(6.0, -1.0), c(6.0, 5.0), c(-6.0, 5.0)], 1));
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.5, 2.0), Vec3::new(0.0, 0.9, -3.0), 0.3);
+    let (mesh, truth) = (options(Method::Mesh), options(Method::Standard));
+    let (mesh, truth) = (shoot(&scene, &camera, &mesh), shoot(&scene, &camera, &truth));
+    let d = difference(&mesh.image.pixels, &truth.image.pixels);
+    assert!(d.relrmse < 1e-4 && truth.image.pixels[40 * 64 + 32].x > 0.1, "{d:?}");
+    let stats = mesh.stats;
+    assert!(stats.rays.secondary > 64 * 48 / 2 && stats.exact_fallbacks == 0, "{stats:?}");
+    assert_eq!(stats.rays.shadow, stats.direct.points_used - stats.direct.points_invalid);
 }

@@ -12,6 +12,9 @@ use super::bricks::Bricks;
 use crate::Error;
 use crate::geometry::Aabb;
 
+/// Most cells along an axis: f32 positions then keep a hundredth of a cell (2⁻²⁴ · 2¹⁷ = 1/128).
+const MAX_CELLS: f64 = (1 << 17) as f64;
+
 /// The lattice of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Lattice {
@@ -26,18 +29,21 @@ impl Lattice {
     /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
     /// through points, and go on `reach` cells beyond on every side.
     pub(super) fn new(bounds: &Aabb, spacing: f32, reach: u32, max_memory: u64) -> Result<Self, Error> {
-        let too_fine = |needed_bytes| Error::OutOfMemory {
-            what: "the light mesh's table of bricks",
-            needed_bytes,
-            limit_bytes: max_memory,
-            advice: "choose a larger --spacing",
-        };
         let cells = (bounds.size().as_dvec3() / f64::from(spacing)).ceil() + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
-        let bytes = bricks.element_product() * Bricks::BYTES_PER_TABLE_ENTRY as f64;
-        // f32 positions keep at least a hundredth of a cell only while the lattice has fewer than 2¹⁷ cells a side.
-        if bytes.is_nan() || bytes > max_memory as f64 || cells.max_element() > f64::from(1 << 17) {
-            return Err(too_fine(bytes as u64));
+        let count = bricks.element_product();
+        let bytes = count * Bricks::BYTES_PER_TABLE_ENTRY as f64;
+        if bytes > max_memory as f64 || count >= f64::from(u32::MAX) {
+            return Err(Error::OutOfMemory {
+                what: "the light mesh's table of bricks",
+                needed_bytes: bytes as u64,
+                limit_bytes: max_memory,
+                advice: "choose a larger --spacing",
+            });
+        }
+        if cells.max_element() > MAX_CELLS {
+            let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
+            return Err(Error::InvalidOption { option: "spacing", what });
         }
         Ok(Self {
             origin: bounds.min - (reach as f32 - 0.5) * spacing,
@@ -148,5 +154,8 @@ mod tests {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
         let error = Lattice::new(&bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
         assert!(error.to_string().contains("memory"), "{error}");
+        let wire = Aabb { min: Vec3::ZERO, max: Vec3::new(1e6, 1.0, 1.0) };
+        let error = Lattice::new(&wire, 1.0, 1, 4 << 30).expect_err("too long");
+        assert!(error.to_string().contains("spacing"), "{error}");
     }
 }
