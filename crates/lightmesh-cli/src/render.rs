@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use lightmesh::{Camera, LightMesh, Method, RenderOptions, Scene, SceneData, headlight};
+use lightmesh::{Camera, LightMesh, Method, Scene, SceneData, headlight};
 use lightmesh_io::output::{Metadata, Precision, auto_exposure};
 
 use crate::{
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut options = args.options();
     options.validate()?;
     if args.size.is_some() {
-        check_picture_memory(&options)?;
+        options.check_picture_memory()?;
     }
     let outputs = Outputs::check(&args.output, args.stats.as_deref())?;
     if args.wants_bounces() && options.method != Method::Path {
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.size.is_none() {
         options.height = camera_choice::height_for(&camera, options.width);
     }
-    check_picture_memory(&options)?;
+    options.check_picture_memory()?;
     let mut mesh = LightMesh::new(&scene, &options)?;
     let frame = lightmesh::render(&scene, &camera, &options, &mut mesh, &bar);
     bar.clear();
@@ -175,21 +175,4 @@ fn emits(data: &SceneData) -> bool {
     let shapes = data.shapes.iter().map(|shape| shape.material);
     let mut used = meshes.chain(spheres).chain(shapes).filter_map(|m| data.materials.get(m));
     used.any(|material| material.emission.max_element() > 0.0)
-}
-
-/// Refuses a picture that would not fit, before anything is read or allocated.
-fn check_picture_memory(options: &RenderOptions) -> Result<(), lightmesh::Error> {
-    // The linear picture (f32 RGB) and its 8-bit copy for a PNG.
-    const BYTES_PER_PIXEL: u64 = 12 + 3;
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL);
-    if needed_bytes <= options.max_memory {
-        return Ok(());
-    }
-    Err(lightmesh::Error::OutOfMemory {
-        what: "a picture of this size",
-        needed_bytes,
-        limit_bytes: options.max_memory,
-        advice: "lower --size",
-    })
 }

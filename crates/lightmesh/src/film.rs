@@ -48,11 +48,6 @@ impl Film {
         }
     }
 
-    /// Bytes that a film of this size takes.
-    pub(crate) fn bytes(options: &RenderOptions) -> u64 {
-        u64::from(options.width) * u64::from(options.height) * size_of::<Vec3>() as u64
-    }
-
     /// Samples of the whole picture.
     pub(crate) fn sample_count(&self) -> u64 {
         self.pixels.len() as u64 * self.offsets.len() as u64

@@ -30,7 +30,7 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
     options.validate()?;
-    check_picture_memory(options)?;
+    options.check_picture_memory()?;
     let started = Instant::now();
     let mut film = Film::new(camera, options);
     let mut stats = match options.method {
@@ -50,15 +50,4 @@ pub fn render(
         stats.direct = mesh.stats();
     }
     Ok(Frame { image, stats })
-}
-
-/// The film, and the finished picture beside it while it is made.
-fn check_picture_memory(options: &RenderOptions) -> Result<(), Error> {
-    let needed_bytes = 2 * Film::bytes(options);
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    if needed_bytes > options.max_memory || pixels > u64::from(u32::MAX) {
-        let advice = "choose a smaller --size";
-        return Err(Error::OutOfMemory { what: "the picture", needed_bytes, limit_bytes: options.max_memory, advice });
-    }
-    Ok(())
 }

@@ -1,9 +1,9 @@
 //! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
 
 use fearless_simd::Level;
-use glam::{Mat3, Vec3};
+use glam::Mat3;
 
-use super::{AlphaMode, Light, LightSamples, Material, SceneData, validate};
+use super::{AlphaMode, LightSamples, Material, SceneData, validate};
 use crate::Error;
 use crate::bvh::SceneBvh;
 use crate::geometry::Aabb;
@@ -138,12 +138,4 @@ fn glossy_warning(materials: &[Material]) -> Option<String> {
         names.len(),
         Material::MIRROR_ROUGHNESS
     ))
-}
-
-impl SceneData {
-    /// Whether anything gives light: a punctual light, or a material that emits.
-    pub fn has_light(&self) -> bool {
-        let shines = |light: &Light| light.color() != Vec3::ZERO;
-        self.lights.iter().any(shines) || self.materials.iter().any(|m| m.emission != Vec3::ZERO)
-    }
 }

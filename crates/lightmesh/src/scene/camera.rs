@@ -68,7 +68,7 @@ impl Camera {
 
     /// What turns film positions of a `width` × `height` picture into rays. A perspective camera keeps its vertical
     /// field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
-    pub(crate) fn film(&self, width: u32, height: u32) -> FilmRays {
+    pub fn film(&self, width: u32, height: u32) -> FilmRays {
         let m = &self.world_from_camera.matrix3;
         let (right, up) = (Vec3::from(m.x_axis).normalize_or(Vec3::X), Vec3::from(m.y_axis).normalize_or(Vec3::Y));
         let forward = -Vec3::from(m.z_axis).normalize_or(Vec3::Z);
@@ -92,7 +92,7 @@ impl Camera {
 
 /// The rays of one camera and film size.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FilmRays {
+pub struct FilmRays {
     eye: Vec3,
     forward: Vec3,
     dx: Vec3,
@@ -104,7 +104,7 @@ pub(crate) struct FilmRays {
 
 impl FilmRays {
     /// The ray through film position (x, y) in pixels, (0, 0) the upper left corner of the picture; unit direction.
-    pub(crate) fn ray(&self, x: f32, y: f32) -> Ray {
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
         let offset = self.dx * (x - self.center_x) + self.dy * (y - self.center_y);
         if self.parallel {
             Ray::new(self.eye + offset, self.forward)

@@ -11,8 +11,7 @@ mod texture;
 mod validate;
 
 pub use built::Scene;
-pub(crate) use camera::FilmRays;
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, FilmRays, Projection};
 pub use data::{Instance, SceneData, ShapeEntry};
 pub use headlight::headlight;
 pub use light::Light;
