@@ -26,6 +26,7 @@
 
 #![forbid(unsafe_code)]
 
+mod beside;
 mod budget;
 mod error;
 mod gltf;

@@ -18,6 +18,7 @@ use super::context::{Context, Place, place};
 use super::texture::{Encoding, Textures};
 use super::uri;
 use crate::error::{Error, one_line};
+use crate::srgb::linear_from_srgb;
 
 /// An image of the file with its compressed bytes.
 #[derive(Debug)]
@@ -189,9 +190,4 @@ fn decode_one(source: &Source<'_>, limit: u64) -> ImageResult<Decoded> {
         srgb: source.srgb.then(|| Texels::Rgba32F(as_colors())),
         linear: source.linear.then(|| Texels::Rgba32F(as_numbers())),
     })
-}
-
-/// IEC 61966-2-1.
-fn linear_from_srgb(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
 }
