@@ -4,7 +4,7 @@ mod common;
 
 use std::io::Cursor;
 
-use common::{Gltf, assert_says, assert_warns};
+use common::{Gltf, assert_says, assert_warns, crc32};
 use glam::{Vec2, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use lightmesh::{AlphaMode, Filter, Texels, UvTransform, Wrap};
@@ -270,11 +270,4 @@ fn absurd_image_sizes_meet_the_limit_before_decoding() {
     let options = LoadOptions { max_memory: 3_000_000, ..LoadOptions::default() };
     let message = textured(&large).load_with(&options).unwrap_err().to_string();
     assert_says(&message, &["image 0", "needs 4000000 more bytes"]);
-}
-
-/// The CRC of PNG (ISO 3309), bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 })
-    })
 }
