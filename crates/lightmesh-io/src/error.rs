@@ -97,8 +97,20 @@ pub enum Error {
         /// What the operating system said.
         cause: io::Error,
     },
-    /// An image cannot be decoded.
-    #[error("{file}: {place}: the image cannot be decoded: {what}; lightmesh reads PNG, JPEG and WebP")]
+    /// A `data:` URI that is damaged.
+    #[error("{file}: {place}: uri {uri:?} {what}")]
+    DataUri {
+        /// The scene file.
+        file: String,
+        /// Which buffer or image.
+        place: String,
+        /// The reference, shortened.
+        uri: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// An image cannot be decoded in the memory that is left.
+    #[error("{file}: {place}: the image cannot be decoded: {what}; make it smaller or raise --max-memory")]
     Image {
         /// The scene file.
         file: String,

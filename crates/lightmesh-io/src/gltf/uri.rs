@@ -1,6 +1,7 @@
 //! URIs of buffers and images: data in the file, or a file beside it.
 
 use std::fmt::Display;
+use std::io;
 
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -23,23 +24,34 @@ pub(super) fn fetch(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> R
     }
 }
 
-/// An error about a URI.
+/// A URI that is not followed.
 fn refuse(context: &Context<'_>, place: Place<'_>, uri: &str, what: &str) -> Error {
+    Error::Uri { file: one_line(context.file), place: one_line(place), uri: shortened(uri), what: what.to_owned() }
+}
+
+/// The start of a URI, for messages.
+fn shortened(uri: &str) -> String {
     let mut short: String = uri.chars().take(80).collect();
     if short.len() < uri.len() {
         short.push('…');
     }
-    Error::Uri { file: one_line(context.file), place: one_line(place), uri: short, what: what.to_owned() }
+    short
 }
 
 /// `data:[type][;base64],…` (RFC 2397).
 fn decode_data(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    let damaged = |context: &Context<'_>, what: String| Error::DataUri {
+        file: one_line(context.file),
+        place: one_line(place),
+        uri: shortened(uri),
+        what,
+    };
     let Some((head, body)) = uri.split_once(',') else {
-        return Err(refuse(context, place, uri, "has no comma before its data; the file is damaged"));
+        return Err(damaged(context, "has no comma before its data; the file is damaged".to_owned()));
     };
     context.spend(place, body.len() as u64, 1)?;
     if head.to_ascii_lowercase().ends_with(";base64") {
-        BASE64.decode(body).map_err(|e| refuse(context, place, uri, &format!("is not valid base64: {e}")))
+        BASE64.decode(body).map_err(|e| damaged(context, format!("is not valid base64: {e}")))
     } else {
         Ok(percent_decode(body))
     }
@@ -96,7 +108,10 @@ fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result
             Refusal::NoFolder => "refers to another file, but the scene was not read from a folder",
             Refusal::NotAName => "is no file name; the file is damaged",
             Refusal::Outside => OUTSIDE,
-            Refusal::NotAFile => "is not a regular file",
+            Refusal::NotAFile => {
+                let cause = io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file");
+                return missing(context, &relative, cause);
+            }
             Refusal::Unreadable { target, cause } => return missing(context, &target.display(), cause),
         };
         refuse(context, place, uri, what)
