@@ -126,12 +126,15 @@ pub(super) fn decode(context: &mut Context<'_>, buffers: &Buffers<'_>, textures:
     Ok(Shown { textures, images, index_of })
 }
 
-/// An image's name and compressed bytes; `None`, and a warning, where there are none.
+/// An image's name and its bytes in the file.
+type Compressed<'a> = (&'a str, Cow<'a, [u8]>);
+
+/// An image's name and bytes; `None`, and a warning, where there are none.
 fn fetch<'a>(
     context: &mut Context<'_>,
     buffers: &'a Buffers<'_>,
     index: usize,
-) -> Result<Option<(&'a str, Cow<'a, [u8]>)>, Error> {
+) -> Result<Option<Compressed<'a>>, Error> {
     let image = context.get(&buffers.document.images, "image", index, "textures")?;
     let uri_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     let name = image.name.as_deref().or(uri_name).unwrap_or_default();
