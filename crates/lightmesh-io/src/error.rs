@@ -97,8 +97,20 @@ pub enum Error {
         /// What the operating system said.
         cause: io::Error,
     },
-    /// An image cannot be decoded.
-    #[error("{file}: {place}: the image cannot be decoded: {what}; lightmesh reads PNG, JPEG and WebP")]
+    /// A `data:` URI that is damaged.
+    #[error("{file}: {place}: uri {uri:?} {what}")]
+    DataUri {
+        /// The scene file.
+        file: String,
+        /// Which buffer or image.
+        place: String,
+        /// The reference, shortened.
+        uri: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// An image cannot be decoded in the memory that is left.
+    #[error("{file}: {place}: the image cannot be decoded: {what}; make it smaller or raise --max-memory")]
     Image {
         /// The scene file.
         file: String,
@@ -141,6 +153,42 @@ pub enum Error {
         file: String,
         /// What is missing.
         what: String,
+    },
+    /// A picture's extension says neither PNG nor EXR.
+    #[error("{file}: pictures are .png or .exr by their extension")]
+    PictureFormat {
+        /// The file.
+        file: String,
+    },
+    /// A picture's content is not what its extension says, is damaged, is too large or is of a kind that is not read.
+    #[error("{file}: {what}")]
+    Picture {
+        /// The file.
+        file: String,
+        /// What was found.
+        what: String,
+    },
+    /// The folder that should hold a file that is to be written is not there.
+    #[error("{file}: the folder {folder} does not exist")]
+    NoFolder {
+        /// The file.
+        file: String,
+        /// The folder that is missing.
+        folder: String,
+    },
+    /// A folder has the name that a file should get.
+    #[error("{file}: is a folder; name a file in it")]
+    IsFolder {
+        /// The folder.
+        file: String,
+    },
+    /// The operating system would not write a file.
+    #[error("{file}: cannot be written: {cause}")]
+    Write {
+        /// The file.
+        file: String,
+        /// What the operating system said.
+        cause: io::Error,
     },
 }
 

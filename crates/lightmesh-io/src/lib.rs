@@ -26,13 +26,13 @@
 
 #![forbid(unsafe_code)]
 
+mod beside;
 mod budget;
 mod error;
 mod gltf;
 mod obj;
 pub mod output;
 mod picture;
-mod picture_error;
 mod ply;
 mod polygon;
 mod scene_file;
@@ -42,5 +42,4 @@ mod warnings;
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
 pub use picture::{Encoding, Picture, read_picture};
-pub use picture_error::PictureError;
 pub use scene_file::{LoadOptions, Loaded, Units, load};

@@ -139,6 +139,38 @@ fn networks_schemes_and_missing_files_are_refused_even_if_outside_is_allowed() {
     assert_says(&message, &["not read from a folder"]);
 }
 
+/// The textured triangle as text whose only image is at `uri`; its buffer is in the text.
+fn text_with_image(uri: &str) -> String {
+    let mut gltf = Gltf::triangle();
+    let image = gltf.push("images", json!({"uri": uri, "name": "oak"}));
+    let texture = gltf.push("textures", json!({"source": image}));
+    gltf.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
+    let encoded = base64::engine::general_purpose::STANDARD.encode(&gltf.binary);
+    gltf.json["buffers"][0]["uri"] = json!(format!("data:;base64,{encoded}"));
+    gltf.json.to_string()
+}
+
+#[test]
+fn a_missing_image_is_left_out_but_none_is_fetched_from_outside() {
+    let folder = Folder::new("images");
+    for (uri, words) in [
+        ("textures/gone.png", ["image 0 \"oak\"", "gone.png", "cannot be read"]),
+        ("textures", ["image 0 \"oak\"", "textures", "not a regular file"]),
+        ("data:image/png;base64,!!", ["image 0 \"oak\"", "base64", "cannot be read"]),
+        ("data:image/png", ["image 0 \"oak\"", "comma", "cannot be read"]),
+        ("data:image/png;base64,AAAA", ["image 0 \"oak\"", "cannot be decoded", "PNG, JPEG and WebP"]),
+    ] {
+        let path = folder.write("scene/scene.gltf", text_with_image(uri));
+        let loaded = load(&path, &LoadOptions::default()).unwrap();
+        assert!(loaded.data.materials[0].base_color_texture.is_none());
+        assert_warns(&loaded, &words);
+    }
+    for uri in ["../gone.png", "/gone.png", "http://example.org/a.png", "C:/a.png"] {
+        let path = folder.write("scene/scene.gltf", text_with_image(uri));
+        assert_says(&refusal(&path), &["image 0 \"oak\": uri"]);
+    }
+}
+
 #[test]
 fn files_larger_than_the_limit_are_not_read() {
     let folder = Folder::new("limit");
@@ -193,7 +225,6 @@ fn unread_extensions_are_an_error_if_required_and_a_warning_if_not() {
         ("KHR_draco_mesh_compression", "gltf-transform copy"),
         ("EXT_meshopt_compression", "gltf-transform copy"),
         ("KHR_texture_basisu", "gltf-transform ktxdecompress"),
-        ("KHR_materials_pbrSpecularGlossiness", "gltf-transform metalrough"),
         ("ACME_new\nline", "Blender"),
     ] {
         let mut gltf = Gltf::triangle();
@@ -203,9 +234,47 @@ fn unread_extensions_are_an_error_if_required_and_a_warning_if_not() {
         assert_says(&gltf.refusal(), &[&name.replace('\n', "\\n"), advice]);
     }
     let mut gltf = Gltf::triangle();
-    gltf.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_xmp_json_ld", "KHR_materials_variants"]);
-    gltf.json["extensionsRequired"] = json!(["KHR_materials_unlit", "KHR_texture_transform"]);
+    let harmless = ["KHR_xmp_json_ld", "KHR_materials_variants", "KHR_animation_pointer"];
+    let read = ["KHR_lights_punctual", "KHR_mesh_quantization", "EXT_texture_webp", "KHR_materials_unlit"];
+    gltf.json["extensionsUsed"] = json!([harmless.as_slice(), &read].concat());
+    gltf.json["extensionsRequired"] = json!([harmless.as_slice(), &read].concat());
     assert_eq!(gltf.load().unwrap().warnings, [""; 0]);
+}
+
+/// What no surface of the scene needs is not worth a word; what three surfaces need is worth one.
+#[test]
+fn material_extensions_are_told_once_and_only_where_they_show() {
+    let metalrough = "gltf-transform metalrough";
+    let take_out = "take its name out of the file's extensionsRequired";
+    for (name, shows, does_not, advice) in [
+        ("KHR_materials_pbrSpecularGlossiness", json!({}), None, metalrough),
+        ("KHR_materials_clearcoat", json!({"clearcoatFactor": 1}), Some(json!({"clearcoatFactor": 0})), take_out),
+        ("KHR_materials_sheen", json!({"sheenColorFactor": [0, 0, 1]}), Some(json!({})), take_out),
+        ("KHR_materials_volume", json!({"attenuationDistance": 2}), Some(json!({"thicknessFactor": 1})), take_out),
+        ("KHR_materials_iridescence", json!({"iridescenceFactor": 0.1}), Some(json!({"iridescenceIor": 2})), take_out),
+        ("KHR_materials_anisotropy", json!({"anisotropyStrength": -0.5}), Some(json!({})), take_out),
+        ("KHR_materials_dispersion", json!({"dispersion": 1}), Some(json!({"dispersion": 0.0})), take_out),
+        ("KHR_materials_diffuse_transmission", json!({"diffuseTransmissionFactor": 1}), Some(json!(null)), take_out),
+    ] {
+        // Listed, but on no surface.
+        let mut gltf = Gltf::triangle();
+        gltf.json["extensionsUsed"] = json!([name]);
+        assert_eq!(gltf.load().unwrap().warnings, [""; 0], "{name}");
+        // On a surface where it changes nothing, then on three where it does.
+        if let Some(neutral) = does_not {
+            gltf.material(json!({"extensions": {name: neutral}}));
+            assert_eq!(gltf.load().unwrap().warnings, [""; 0], "{name}");
+        }
+        for _ in 0..3 {
+            let position = gltf.floats("VEC3", &common::TRIANGLE);
+            let material = gltf.push("materials", json!({"extensions": {name: shows}}));
+            let mesh = gltf.mesh(json!({"attributes": {"POSITION": position}, "material": material}));
+            gltf.node(json!({"mesh": mesh}));
+        }
+        assert_warns(&gltf.load().unwrap(), &["material ", name, "is not read", "3 times in the file"]);
+        gltf.json["extensionsRequired"] = json!([name]);
+        assert_says(&gltf.refusal(), &[name, advice]);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use std::io::Cursor;
 
-use common::{Gltf, assert_says, assert_warns};
+use common::{Gltf, assert_says, assert_warns, crc32};
 use glam::{Vec2, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use lightmesh::{AlphaMode, Filter, Texels, UvTransform, Wrap};
@@ -124,17 +124,8 @@ fn every_texture_slot_is_read() {
     }));
     let data = gltf.load().unwrap().data;
     let m = &data.materials[0];
-    let slots = [
-        m.base_color_texture,
-        m.metallic_roughness_texture,
-        m.emission_texture,
-        m.normal_texture,
-        m.specular_texture,
-        m.specular_color_texture,
-        m.transmission_texture,
-    ];
     // Images come in the file's order, so texture k of the file shows image k.
-    let images = slots.map(|slot| data.textures[slot.unwrap().texture].image);
+    let images = m.textures().map(|slot| data.textures[slot.unwrap().texture].image);
     assert_eq!(images, [6, 5, 4, 3, 2, 1, 0]);
     assert_eq!(m.emission_texture.unwrap().uv_set, 1);
     assert_eq!(m.normal_scale, 0.5);
@@ -248,12 +239,39 @@ fn dangling_references_are_refused() {
 }
 
 #[test]
-fn broken_images_are_refused_by_name() {
+fn broken_images_are_left_out_by_name() {
     let mut gltf = textured(b"no image at all");
     gltf.json["images"][0]["name"] = json!("oak");
-    assert_says(&gltf.refusal(), &["image 0 \"oak\"", "cannot be decoded"]);
+    gltf.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([0.1, 0.2, 0.3, 1]);
+    let loaded = gltf.load().unwrap();
+    assert_warns(&loaded, &["image 0 \"oak\"", "cannot be decoded", "its textures are left out"]);
+    let material = &loaded.data.materials[0];
+    assert!(material.base_color_texture.is_none() && material.base_color == Vec3::new(0.1, 0.2, 0.3));
+    assert_eq!((loaded.data.textures.len(), loaded.data.images.len()), (0, 0));
+
+    // Cut off: its header is sound, its texels are not.
     let png = small_png();
-    assert_says(&textured(&png[..png.len() / 2]).refusal(), &["image 0", "cannot be decoded"]);
+    let loaded = textured(&png[..png.len() - 20]).load().unwrap();
+    assert_warns(&loaded, &["image 0", "cannot be decoded"]);
+    let mut gltf = textured(&png);
+    gltf.json["images"][0] = json!({"name": "empty"});
+    assert_warns(&gltf.load().unwrap(), &["image 0 \"empty\"", "neither a uri nor a bufferView"]);
+}
+
+/// Of three textures the first and the second use, as colour and as numbers, an image that is broken.
+#[test]
+fn the_other_textures_keep_their_places() {
+    let mut gltf = textured(b"no image at all");
+    let sound = gltf.texture(&small_png());
+    gltf.json["materials"][0]["normalTexture"] = json!({"index": 0});
+    gltf.json["materials"][0]["emissiveTexture"] = json!({"index": sound});
+    let loaded = gltf.load().unwrap();
+    assert_warns(&loaded, &["image 0", "cannot be decoded"]);
+    let material = &loaded.data.materials[0];
+    assert!(material.base_color_texture.is_none() && material.normal_texture.is_none());
+    assert_eq!(material.emission_texture.unwrap().texture, 0);
+    assert_eq!((loaded.data.textures.len(), loaded.data.textures[0].image), (1, 0));
+    assert_eq!(rgba8(&loaded.data.images[0].texels)[0], [255, 0, 0, 255]);
 }
 
 #[test]
@@ -270,11 +288,4 @@ fn absurd_image_sizes_meet_the_limit_before_decoding() {
     let options = LoadOptions { max_memory: 3_000_000, ..LoadOptions::default() };
     let message = textured(&large).load_with(&options).unwrap_err().to_string();
     assert_says(&message, &["image 0", "needs 4000000 more bytes"]);
-}
-
-/// The CRC of PNG (ISO 3309), bit by bit.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(u32::MAX, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 })
-    })
 }

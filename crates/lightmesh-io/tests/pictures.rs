@@ -1,11 +1,17 @@
-//! Pictures that are written come back the same.
+//! Pictures that are written come back the same; hostile ones are refused.
+
+mod common;
 
 use std::{io::Cursor, path::Path};
 
+use common::{assert_says, crc32};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding as ExrEncoding, FlatSamples, Layer, LayerAttributes, WritableImage,
+};
 use glam::Vec3;
 use lightmesh::{Camera, Image};
 use lightmesh_io::{
-    Encoding, PictureError,
+    Encoding, Error,
     output::{Metadata, Precision, tone_map, write_exr, write_png},
     read_picture,
 };
@@ -36,7 +42,7 @@ fn exr(precision: Precision) -> Vec<u8> {
 }
 
 /// Writes `bytes` into a file called `name` and reads it as a picture.
-fn read_back(name: &str, bytes: &[u8]) -> Result<lightmesh_io::Picture, PictureError> {
+fn read_back(name: &str, bytes: &[u8]) -> Result<lightmesh_io::Picture, Error> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
@@ -98,4 +104,60 @@ fn damaged_files_are_refused_by_name() {
     }
     let missing = read_picture(Path::new("nowhere/b.png")).unwrap_err().to_string();
     assert!(missing.contains("b.png"), "{missing}");
+}
+
+/// An EXR of one pixel whose header names this many channels.
+fn exr_of_channels(count: usize) -> Vec<u8> {
+    let channel = |i| AnyChannel::new(format!("c{i:04}").as_str(), FlatSamples::F32(vec![1.0]));
+    let layer = Layer::new(
+        (1, 1),
+        LayerAttributes::named("many"),
+        ExrEncoding::FAST_LOSSLESS,
+        AnyChannels::sort((0..count).map(channel).collect()),
+    );
+    let mut bytes = Cursor::new(Vec::new());
+    exr::prelude::Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+/// The EXR with another size in its header.
+fn resized(mut exr: Vec<u8>, width: i32, height: i32) -> Vec<u8> {
+    let name = b"dataWindow\0box2i\0";
+    let at = exr.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+    for (i, value) in [0, 0, width - 1, height - 1].into_iter().enumerate() {
+        exr[at + 4 * i..][..4].copy_from_slice(&value.to_le_bytes());
+    }
+    exr
+}
+
+/// Each would take gigabytes if its header were believed.
+#[test]
+fn exr_headers_that_announce_too_much_are_refused() {
+    let small = exr(Precision::Single);
+    for (bytes, word) in [
+        (resized(small.clone(), 1 << 29, 1 << 29), "536870912x536870912; at most"),
+        (resized(small.clone(), i32::MAX, i32::MAX), "not a readable EXR"),
+        (resized(small.clone(), 16_384, 16_384), "chunks, which its"),
+        (resized(small, 1 << 20, 32), "bytes of samples, which its"),
+        (exr_of_channels(1025), "1025 channels; at most 1024"),
+        (resized(exr_of_channels(1024), 1_500, 1_500), "9216000000 bytes of samples; at most"),
+    ] {
+        assert_says(&read_back("a.exr", &bytes).unwrap_err().to_string(), &["a.exr", word]);
+    }
+    // Many channels that fit are read, and have no colour.
+    let message = read_back("a.exr", &exr_of_channels(1024)).unwrap_err().to_string();
+    assert_says(&message, &["neither channels R, G, B nor Y, but c0000, c0001"]);
+}
+
+#[test]
+fn png_headers_that_announce_too_much_are_refused() {
+    let mut png = Vec::new();
+    write_png(&mut png, &image(), 0.0, &metadata()).unwrap();
+    for (size, word) in [(0x4000_0000_u32, "limits are exceeded"), (16_385, "at most"), (16_384, "which its")] {
+        png[16..20].copy_from_slice(&size.to_be_bytes());
+        png[20..24].copy_from_slice(&size.to_be_bytes());
+        let crc = crc32(&png[12..29]);
+        png[29..33].copy_from_slice(&crc.to_be_bytes());
+        assert_says(&read_back("a.png", &png).unwrap_err().to_string(), &["a.png", word]);
+    }
 }

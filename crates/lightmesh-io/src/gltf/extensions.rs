@@ -1,7 +1,7 @@
 //! Which extensions are read, and what to say about the others.
 
 use super::context::Context;
-use super::json::Document;
+use super::json::{Document, MaterialExtensions};
 use crate::error::{Error, one_line};
 
 /// Extensions that are read.
@@ -17,7 +17,8 @@ const READ: [&str; 9] = [
     "EXT_texture_webp",
 ];
 
-/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them.
+/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them, and requiring them
+/// is odd but harmless.
 const HARMLESS: [&str; 7] = [
     "EXT_structural_metadata",
     "EXT_mesh_features",
@@ -42,16 +43,35 @@ fn advice(extension: &str) -> &'static str {
         "KHR_materials_pbrSpecularGlossiness" => {
             "convert its materials with `gltf-transform metalrough in.glb out.glb`"
         }
+        // Their surfaces are sound without them.
+        name if is_of_materials(name) => {
+            "take its name out of the file's extensionsRequired: its surfaces are then rendered without it"
+        }
         "EXT_texture_avif" | "MSFT_texture_dds" => "convert its textures with `gltf-transform png in.glb out.glb`",
         _ => "import the file into Blender and export it again as glTF, which leaves the extension out",
     }
 }
 
-/// Refuses a file that requires what we do not read; warns about optional extensions that change the picture.
+/// Whether it is one of the extensions that each material is asked for.
+fn is_of_materials(extension: &str) -> bool {
+    MaterialExtensions::default().unread().iter().any(|(name, _)| *name == extension)
+}
+
+/// The warning about an extension that is not read.
+pub(super) fn not_read(extension: &str) -> String {
+    match extension {
+        "KHR_materials_pbrSpecularGlossiness" => {
+            format!("{extension} is not read: its surfaces look different; {}", advice(extension))
+        }
+        _ => format!("{} is not read: the picture may differ from the author's", one_line(extension)),
+    }
+}
+
+/// Refuses a file that requires what we do not read; warns about optional extensions that may change the picture. Those of
+/// materials are left to the materials that the scene uses.
 pub(super) fn check(context: &mut Context<'_>, document: &Document) -> Result<(), Error> {
-    let known = |name: &str| READ.contains(&name);
-    // Requiring metadata is odd but harmless.
-    if let Some(name) = document.extensions_required.iter().find(|n| !known(n) && !HARMLESS.contains(&n.as_str())) {
+    let unread = |name: &&String| !READ.contains(&name.as_str()) && !HARMLESS.contains(&name.as_str());
+    if let Some(name) = document.extensions_required.iter().find(unread) {
         return Err(Error::RequiredExtension {
             file: one_line(context.file),
             extension: one_line(name),
@@ -59,10 +79,9 @@ pub(super) fn check(context: &mut Context<'_>, document: &Document) -> Result<()
         });
     }
     // A file may list any number of names: a few are enough.
-    let unread = document.extensions_used.iter().filter(|n| !known(n) && !HARMLESS.contains(&n.as_str()));
-    for name in unread.take(20) {
-        let message = format!("{} is not read: the picture may differ from the author's", one_line(name));
-        context.warnings.add("extensionsUsed", &message);
+    let optional = document.extensions_used.iter().filter(unread).filter(|name| !is_of_materials(name));
+    for name in optional.take(20) {
+        context.warnings.add("extensionsUsed", &not_read(name));
     }
     Ok(())
 }

@@ -3,13 +3,18 @@
 //! Eight bits per channel stay as they are. Sixteen bits become 32-bit floats, which the renderer takes as linear:
 //! where such an image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept
 //! twice.
+//!
+//! An image that is missing or cannot be decoded is left out with a warning: a scene without one of its textures is still
+//! worth a picture. What the file must not ask for (paths out of its folder, more memory than allowed) stays an error, and
+//! so does an index that refers to nothing.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-use image::{ColorType, DynamicImage, ImageDecoder, ImageReader, ImageResult, Limits};
+use image::error::{ParameterError, ParameterErrorKind};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageReader, ImageResult, Limits};
 use lightmesh::{ImageData, Texels, Texture};
 use rayon::prelude::*;
 
@@ -18,6 +23,7 @@ use super::context::{Context, Place, place};
 use super::texture::{Encoding, Textures};
 use super::uri;
 use crate::error::{Error, one_line};
+use crate::srgb::linear_from_srgb;
 
 /// An image of the file with its compressed bytes.
 #[derive(Debug)]
@@ -39,12 +45,17 @@ struct Decoded {
     linear: Option<Texels>,
 }
 
+/// What can be shown of the used textures.
+#[derive(Debug)]
+pub(super) struct Shown {
+    pub(super) textures: Vec<Texture>,
+    pub(super) images: Vec<ImageData>,
+    /// For each used texture its index in `textures`; `None` where its image could not be read.
+    pub(super) index_of: Vec<Option<usize>>,
+}
+
 /// The used textures and their images.
-pub(super) fn decode(
-    context: &mut Context<'_>,
-    buffers: &Buffers<'_>,
-    textures: Textures,
-) -> Result<(Vec<Texture>, Vec<ImageData>), Error> {
+pub(super) fn decode(context: &mut Context<'_>, buffers: &Buffers<'_>, textures: Textures) -> Result<Shown, Error> {
     let pending = textures.pending(context, buffers.document)?;
 
     // Collect each image once, in the file's order.
@@ -56,21 +67,29 @@ pub(super) fn decode(
     }
     let mut sources = Vec::with_capacity(uses.len());
     for (index, (srgb, linear)) in uses {
-        let (name, bytes) = fetch(context, buffers, index)?;
-        sources.push(Source { index, name, bytes, srgb, linear });
+        if let Some((name, bytes)) = fetch(context, buffers, index)? {
+            sources.push(Source { index, name, bytes, srgb, linear });
+        }
     }
 
     // Pay for all of them before the first is decoded.
     let mut largest_transient = 0;
-    for source in &sources {
-        let size = Size::of(context, source)?;
-        context.spend(image_place(source), size.kept, 1)?;
-        largest_transient = largest_transient.max(size.transient);
+    let mut readable = Vec::with_capacity(sources.len());
+    for source in sources {
+        match Size::of(context, &source) {
+            Ok(size) => {
+                context.spend(image_place(&source), size.kept, 1)?;
+                largest_transient = largest_transient.max(size.transient);
+                readable.push(source);
+            }
+            Err(why) => undecodable(context, &source, &why)?,
+        }
     }
+    let sources = readable;
     let at_once = rayon::current_num_threads().min(sources.len()) as u64;
     context.spend("decoding of images", at_once, largest_transient)?;
 
-    // The first error in the file's order wins, whichever thread was first.
+    // What happens is told in the file's order, whichever thread was first.
     let limit = context.budget.left().saturating_add(largest_transient);
     let decoded: Vec<_> = sources.par_iter().map(|source| decode_one(source, limit)).collect();
 
@@ -78,8 +97,13 @@ pub(super) fn decode(
     let mut images = Vec::new();
     let mut image_of = BTreeMap::new();
     for (source, decoded) in sources.iter().zip(decoded) {
-        let Decoded { width, height, srgb, linear } =
-            decoded.map_err(|e| undecodable(context, source, &e.to_string()))?;
+        let Decoded { width, height, srgb, linear } = match decoded {
+            Ok(decoded) => decoded,
+            Err(why) => {
+                undecodable(context, source, &why)?;
+                continue;
+            }
+        };
         for (encoding, texels) in [(Encoding::Srgb, srgb), (Encoding::Linear, linear)] {
             if let Some(texels) = texels {
                 image_of.insert((source.index, encoding), images.len());
@@ -91,37 +115,68 @@ pub(super) fn decode(
             image_of.entry((source.index, Encoding::Linear)).or_insert(image);
         }
     }
-    let textures = pending.iter().filter_map(|texture| {
+    // Textures whose image is there, and where they have gone.
+    let mut textures = Vec::with_capacity(pending.len());
+    let index_of = pending.iter().map(|texture| {
         let image = *image_of.get(&(texture.image, texture.encoding))?;
-        Some(Texture { image, ..texture.texture })
+        textures.push(Texture { image, ..texture.texture });
+        Some(textures.len() - 1)
     });
-    Ok((textures.collect(), images))
+    let index_of = index_of.collect();
+    Ok(Shown { textures, images, index_of })
 }
 
-/// An image's name and compressed bytes.
+/// An image's name and its bytes in the file.
+type Compressed<'a> = (&'a str, Cow<'a, [u8]>);
+
+/// An image's name and bytes; `None`, and a warning, where there are none.
 fn fetch<'a>(
     context: &mut Context<'_>,
     buffers: &'a Buffers<'_>,
     index: usize,
-) -> Result<(&'a str, Cow<'a, [u8]>), Error> {
+) -> Result<Option<Compressed<'a>>, Error> {
     let image = context.get(&buffers.document.images, "image", index, "textures")?;
     let uri_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     let name = image.name.as_deref().or(uri_name).unwrap_or_default();
     let at = place("image", index, Some(name));
     let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => Cow::Owned(uri::fetch(context, at, uri)?),
+        (Some(uri), _) => match uri::fetch(context, at, uri) {
+            Ok(bytes) => Cow::Owned(bytes),
+            Err(Error::MissingFile { target, cause, .. }) => {
+                let at = format_args!("{at}, {target} ({cause})");
+                context.warnings.add(at, "the image file cannot be read: its textures are left out");
+                return Ok(None);
+            }
+            Err(Error::DataUri { what, .. }) => {
+                let at = format_args!("{at} ({what})");
+                context.warnings.add(at, "the image's data cannot be read: its textures are left out");
+                return Ok(None);
+            }
+            Err(refused) => return Err(refused),
+        },
         (None, Some(view)) => Cow::Borrowed(buffers.view(context, view, at)?.0),
-        (None, None) => return Err(context.invalid(at, "has neither a uri nor a bufferView; the file is damaged")),
+        (None, None) => {
+            context.warnings.add(at, "the image has neither a uri nor a bufferView: its textures are left out");
+            return Ok(None);
+        }
     };
-    Ok((name, bytes))
+    Ok(Some((name, bytes)))
 }
 
 fn image_place<'a>(source: &Source<'a>) -> Place<'a> {
     place("image", source.index, Some(source.name))
 }
 
-fn undecodable(context: &Context<'_>, source: &Source<'_>, what: &str) -> Error {
-    Error::Image { file: one_line(context.file), place: one_line(image_place(source)), what: one_line(what) }
+/// Warns that the image is left out; an error where it may be sound but the memory ends.
+fn undecodable(context: &mut Context<'_>, source: &Source<'_>, why: &ImageError) -> Result<(), Error> {
+    let (at, why_line) = (image_place(source), one_line(why));
+    if let ImageError::Limits(_) = why {
+        return Err(Error::Image { file: one_line(context.file), place: one_line(at), what: why_line });
+    }
+    // What the decoder says differs from image to image; the message must not.
+    let message = "the image cannot be decoded: its textures are left out; PNG, JPEG and WebP are read";
+    context.warnings.add(format_args!("{at} ({why_line})"), message);
+    Ok(())
 }
 
 /// A decoder that has read the image's header and nothing else.
@@ -143,12 +198,12 @@ struct Size {
 }
 
 impl Size {
-    fn of(context: &Context<'_>, source: &Source<'_>) -> Result<Self, Error> {
-        let decoder =
-            decoder(source, context.budget.left()).map_err(|e| undecodable(context, source, &e.to_string()))?;
+    fn of(context: &Context<'_>, source: &Source<'_>) -> ImageResult<Self> {
+        let decoder = decoder(source, context.budget.left())?;
         let (width, height) = decoder.dimensions();
         if width == 0 || height == 0 {
-            return Err(undecodable(context, source, "it has no texels"));
+            let no_texels = ParameterError::from_kind(ParameterErrorKind::DimensionMismatch);
+            return Err(ImageError::Parameter(no_texels));
         }
         let texels = u64::from(width) * u64::from(height);
         let uses = u64::from(source.srgb) + u64::from(source.linear);
@@ -189,9 +244,4 @@ fn decode_one(source: &Source<'_>, limit: u64) -> ImageResult<Decoded> {
         srgb: source.srgb.then(|| Texels::Rgba32F(as_colors())),
         linear: source.linear.then(|| Texels::Rgba32F(as_numbers())),
     })
-}
-
-/// IEC 61966-2-1.
-fn linear_from_srgb(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
 }

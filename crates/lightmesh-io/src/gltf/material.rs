@@ -4,6 +4,7 @@ use glam::Vec3;
 use lightmesh::{AlphaMode, Material};
 
 use super::context::{Context, Place, place};
+use super::extensions::not_read;
 use super::json::{self, Document};
 use super::texture::{Encoding, Textures};
 use crate::error::Error;
@@ -29,6 +30,10 @@ pub(super) fn material(
     let (pbr, extensions) = (&source.pbr_metallic_roughness, &source.extensions);
     let name = source.name.clone().unwrap_or_default();
     context.spend(at, name.len() as u64, 1)?;
+
+    for (extension, _) in extensions.unread().into_iter().filter(|(_, has_effect)| *has_effect) {
+        context.warnings.add(at, &not_read(extension));
+    }
 
     let [r, g, b, alpha] = pbr.base_color_factor.map(|value| unit(context, at, value));
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| e.emissive_strength);

@@ -24,7 +24,7 @@ mod uri;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use lightmesh::{Instance, Material, SceneData};
+use lightmesh::{Instance, Material, SceneData, TextureRef};
 
 use self::buffer::Buffers;
 use self::context::{Context, place};
@@ -98,8 +98,10 @@ pub(crate) fn read(
     for &material in &materials.order {
         data.materials.push(material::material(&mut context, &document, material, &mut textures)?);
     }
+    let shown = image::decode(&mut context, &buffers, textures)?;
+    leave_out(&mut data.materials, &shown.index_of);
+    (data.textures, data.images) = (shown.textures, shown.images);
     warn_of_missing_uvs(&mut context, &data);
-    (data.textures, data.images) = image::decode(&mut context, &buffers, textures)?;
 
     if !document.animations.is_empty() {
         context.warnings.add("animations", "animations are not read: nodes stay where the file puts them");
@@ -162,20 +164,18 @@ fn place_meshes(
     Ok(())
 }
 
+/// Renumbers the textures that materials use; one without a new number is left out, its factor stays.
+fn leave_out(materials: &mut [Material], index_of: &[Option<usize>]) {
+    for slot in materials.iter_mut().flat_map(Material::textures_mut) {
+        *slot = slot.and_then(|old| Some(TextureRef { texture: index_of[old.texture]?, ..old }));
+    }
+}
+
 /// Warns about textured materials on meshes without the texture coordinates: they show one texel everywhere.
 fn warn_of_missing_uvs(context: &mut Context<'_>, data: &SceneData) {
     for mesh in &data.meshes {
         let material = &data.materials[mesh.material];
-        let references = [
-            &material.base_color_texture,
-            &material.metallic_roughness_texture,
-            &material.emission_texture,
-            &material.normal_texture,
-            &material.specular_texture,
-            &material.specular_color_texture,
-            &material.transmission_texture,
-        ];
-        if references.into_iter().flatten().any(|reference| mesh.uvs[reference.uv_set].is_empty()) {
+        if material.textures().iter().flatten().any(|reference| mesh.uvs[reference.uv_set].is_empty()) {
             let message = "its material has a texture, but the mesh has no texture coordinates for it";
             context.warnings.add(format_args!("mesh {:?}", mesh.name), message);
         }

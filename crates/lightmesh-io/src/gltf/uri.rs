@@ -1,13 +1,13 @@
 //! URIs of buffers and images: data in the file, or a file beside it.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Component, Path, PathBuf};
+use std::fmt::Display;
+use std::io;
 
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use super::context::{Context, Place};
+use crate::beside::{self, OUTSIDE, Refusal};
 use crate::error::{Error, one_line};
 
 /// Base64 as exporters write it, with or without padding.
@@ -24,23 +24,34 @@ pub(super) fn fetch(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> R
     }
 }
 
-/// An error about a URI.
+/// A URI that is not followed.
 fn refuse(context: &Context<'_>, place: Place<'_>, uri: &str, what: &str) -> Error {
+    Error::Uri { file: one_line(context.file), place: one_line(place), uri: shortened(uri), what: what.to_owned() }
+}
+
+/// The start of a URI, for messages.
+fn shortened(uri: &str) -> String {
     let mut short: String = uri.chars().take(80).collect();
     if short.len() < uri.len() {
         short.push('…');
     }
-    Error::Uri { file: one_line(context.file), place: one_line(place), uri: short, what: what.to_owned() }
+    short
 }
 
 /// `data:[type][;base64],…` (RFC 2397).
 fn decode_data(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    let damaged = |context: &Context<'_>, what: String| Error::DataUri {
+        file: one_line(context.file),
+        place: one_line(place),
+        uri: shortened(uri),
+        what,
+    };
     let Some((head, body)) = uri.split_once(',') else {
-        return Err(refuse(context, place, uri, "has no comma before its data; the file is damaged"));
+        return Err(damaged(context, "has no comma before its data; the file is damaged".to_owned()));
     };
     context.spend(place, body.len() as u64, 1)?;
     if head.to_ascii_lowercase().ends_with(";base64") {
-        BASE64.decode(body).map_err(|e| refuse(context, place, uri, &format!("is not valid base64: {e}")))
+        BASE64.decode(body).map_err(|e| damaged(context, format!("is not valid base64: {e}")))
     } else {
         Ok(percent_decode(body))
     }
@@ -76,66 +87,37 @@ fn has_scheme(uri: &str) -> bool {
     })
 }
 
-/// The file at a relative path. Unless the options allow it, the path must stay in the scene's folder, as it is written
-/// and after symbolic links are followed.
+/// The file at a relative path.
 fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
-    const OUTSIDE: &str = "leaves the scene's folder; put the file beside the scene or pass --allow-outside";
     if has_scheme(uri) {
         let what = "has a scheme, but only data: and files beside the scene are read; \
                     download the file and refer to it by a relative path";
         return Err(refuse(context, place, uri, what));
     }
-    let Some(folder) = context.folder else {
-        return Err(refuse(context, place, uri, "refers to another file, but the scene was not read from a folder"));
-    };
-    // Windows exporters write backslashes.
-    let Ok(relative) = String::from_utf8(percent_decode(uri)).map(|path| path.replace('\\', "/")) else {
+    let Ok(relative) = String::from_utf8(percent_decode(uri)) else {
         return Err(refuse(context, place, uri, "is not UTF-8 after percent-decoding; rename the file"));
     };
-    if relative.is_empty() || relative.contains('\0') {
-        return Err(refuse(context, place, uri, "is no file name; the file is damaged"));
-    }
-    if !context.options.allow_outside && !stays_inside(Path::new(&relative)) {
-        return Err(refuse(context, place, uri, OUTSIDE));
-    }
-
-    let target = folder.join(&relative);
-    let missing = |cause: io::Error| Error::MissingFile {
+    let missing = |context: &Context<'_>, target: &dyn Display, cause| Error::MissingFile {
         file: one_line(context.file),
         place: one_line(place),
-        target: one_line(target.display()),
+        target: one_line(target),
         cause,
     };
-    let resolved: PathBuf = target.canonicalize().map_err(missing)?;
-    if !context.options.allow_outside && !resolved.starts_with(folder.canonicalize().map_err(missing)?) {
-        return Err(refuse(context, place, uri, OUTSIDE));
-    }
-    let metadata = resolved.metadata().map_err(missing)?;
-    // A pipe or a device could keep us waiting for ever.
-    if !metadata.is_file() {
-        return Err(refuse(context, place, uri, "is not a regular file"));
-    }
-    let handle = File::open(&resolved).map_err(missing)?;
-    let mut bytes = Vec::new();
-    let length = metadata.len();
-    context.budget.take(context.file, place, length, 1)?;
-    bytes.reserve_exact(length as usize);
-    handle.take(length).read_to_end(&mut bytes).map_err(missing)?;
-    Ok(bytes)
-}
-
-/// Whether a relative path, as written, never climbs above its start.
-fn stays_inside(path: &Path) -> bool {
-    let mut depth = 0_i64;
-    path.components().all(|component| {
-        match component {
-            Component::Normal(_) => depth += 1,
-            Component::CurDir => {}
-            Component::ParentDir => depth -= 1,
-            Component::RootDir | Component::Prefix(_) => return false,
-        }
-        depth >= 0
-    })
+    let beside = beside::open(context.folder, &relative, context.options.allow_outside).map_err(|why| {
+        let what = match why {
+            Refusal::NoFolder => "refers to another file, but the scene was not read from a folder",
+            Refusal::NotAName => "is no file name; the file is damaged",
+            Refusal::Outside => OUTSIDE,
+            Refusal::NotAFile => {
+                let cause = io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file");
+                return missing(context, &relative, cause);
+            }
+            Refusal::Unreadable { target, cause } => return missing(context, &target.display(), cause),
+        };
+        refuse(context, place, uri, what)
+    })?;
+    context.spend(place, beside.length, 1)?;
+    beside.read().map_err(|cause| missing(context, &relative, cause))
 }
 
 #[cfg(test)]
@@ -155,16 +137,6 @@ mod tests {
         }
         for uri in ["a.png", "a/b:c.png", ":x", "1:x"] {
             assert!(!has_scheme(uri), "{uri}");
-        }
-    }
-
-    #[test]
-    fn climbing_out_is_seen_as_written() {
-        for path in ["a/b.bin", "./a", "a/../b"] {
-            assert!(stays_inside(Path::new(path)), "{path}");
-        }
-        for path in ["../a", "a/../../b", "/a", "a/../../scene/b"] {
-            assert!(!stays_inside(Path::new(path)), "{path}");
         }
     }
 }

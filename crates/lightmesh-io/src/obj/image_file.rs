@@ -1,63 +1,33 @@
 //! Files beside the OBJ file: material libraries and images.
 
-use std::fs::File;
-use std::io::{Cursor, Read};
-use std::path::{Component, Path};
+use std::io::Cursor;
 
 use image::{ImageReader, Limits};
 use lightmesh::{ImageData, Texels};
 
 use super::Context;
+use crate::beside::{self, OUTSIDE, Refusal};
 use crate::error::{Error, one_line};
 
 /// The bytes of a file named in the scene; `None`, and a warning, where it cannot be read or must not be.
 pub(super) fn read_beside(context: &mut Context<'_>, name: &str) -> Result<Option<Vec<u8>>, Error> {
-    match open_beside(context, name) {
-        Ok((file, length)) => {
-            context.budget.take(context.file, name, length, 1)?;
-            let mut bytes = Vec::with_capacity(length as usize);
-            match file.take(length).read_to_end(&mut bytes) {
-                Ok(_) => Ok(Some(bytes)),
-                Err(cause) => {
-                    context.warnings.add(name, &format!("cannot be read: {cause}; it is left out"));
-                    Ok(None)
-                }
+    let cannot = |cause| format!("cannot be read: {cause}; it is left out");
+    let why = match beside::open(context.folder, name, context.options.allow_outside) {
+        Ok(beside) => {
+            context.budget.take(context.file, name, beside.length, 1)?;
+            match beside.read() {
+                Ok(bytes) => return Ok(Some(bytes)),
+                Err(cause) => cannot(cause),
             }
         }
-        Err(why) => {
-            context.warnings.add(one_line(name), &why);
-            Ok(None)
-        }
-    }
-}
-
-/// Opens the file, which must lie in the scene's folder (as written and after symbolic links) unless the options allow others.
-fn open_beside(context: &Context<'_>, name: &str) -> Result<(File, u64), String> {
-    const OUTSIDE: &str =
-        "leaves the scene's folder and is left out; put the file beside the scene or pass --allow-outside";
-    let cannot = |cause: std::io::Error| format!("cannot be read: {cause}; it is left out");
-    let Some(folder) = context.folder else {
-        return Err("is left out: the scene was not read from a folder".into());
+        Err(Refusal::NoFolder) => "is left out: the scene was not read from a folder".into(),
+        Err(Refusal::NotAName) => "is no file name: it is left out".into(),
+        Err(Refusal::Outside) => format!("is left out: it {OUTSIDE}"),
+        Err(Refusal::NotAFile) => "is not a regular file and is left out".into(),
+        Err(Refusal::Unreadable { cause, .. }) => cannot(cause),
     };
-    // Windows exporters write backslashes.
-    let relative = name.replace('\\', "/");
-    if relative.is_empty() || relative.contains('\0') {
-        return Err("is no file name".into());
-    }
-    let outward = |c| !matches!(c, Component::Normal(_) | Component::CurDir);
-    if !context.options.allow_outside && Path::new(&relative).components().any(outward) {
-        return Err(OUTSIDE.into());
-    }
-    let resolved = folder.join(&relative).canonicalize().map_err(cannot)?;
-    if !context.options.allow_outside && !resolved.starts_with(folder.canonicalize().map_err(cannot)?) {
-        return Err(OUTSIDE.into());
-    }
-    let metadata = resolved.metadata().map_err(cannot)?;
-    // A pipe or a device could keep us waiting for ever.
-    if !metadata.is_file() {
-        return Err("is not a regular file and is left out".into());
-    }
-    Ok((File::open(&resolved).map_err(cannot)?, metadata.len()))
+    context.warnings.add(one_line(name), &why);
+    Ok(None)
 }
 
 /// Reads and decodes an image beside the scene; `None`, and a warning, where that fails.

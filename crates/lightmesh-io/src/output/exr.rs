@@ -61,7 +61,10 @@ where
         blue: Vec2(0.15, 0.06),
         white: Vec2(0.3127, 0.329),
     });
-    file.write().to_buffered(out).map_err(|error| match error {
+    // The encoder makes threads of its own, one per core: leave them out where one thread was asked for.
+    let writer = file.write();
+    let writer = if rayon::current_num_threads() == 1 { writer.non_parallel() } else { writer };
+    writer.to_buffered(out).map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other.to_string()),
     })

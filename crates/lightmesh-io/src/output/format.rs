@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::PictureError;
+use crate::error::{Error, one_line};
 
 /// A picture file's format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,13 +17,13 @@ impl Format {
     /// The format that the extension names, in either case.
     ///
     /// # Errors
-    /// [`PictureError::UnknownExtension`] for any other or none.
-    pub fn of(path: &Path) -> Result<Self, PictureError> {
+    /// [`Error::PictureFormat`] for any other or none.
+    pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
             "png" => Ok(Self::Png),
             "exr" => Ok(Self::Exr),
-            _ => Err(PictureError::UnknownExtension { path: path.to_owned() }),
+            _ => Err(Error::PictureFormat { file: one_line(path.display()) }),
         }
     }
 }

@@ -14,7 +14,6 @@ mod exr;
 mod format;
 mod metadata;
 mod png;
-mod srgb;
 mod staged;
 mod tone_map;
 
@@ -24,7 +23,7 @@ pub use self::{
     format::Format,
     metadata::Metadata,
     png::write_png,
-    srgb::{linear_from_srgb, srgb_from_linear},
     staged::StagedFile,
     tone_map::{expose, tone_map},
 };
+pub use crate::srgb::{linear_from_srgb, srgb_from_linear};

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::PictureError;
+use crate::error::{Error, one_line};
 
 /// A file under a temporary name beside its target. [`StagedFile::commit`] gives it its name; dropped before that, it is
 /// removed, and whatever had the target's name stays as it was.
@@ -22,10 +22,11 @@ impl StagedFile {
     ///
     /// # Errors
     /// If the folder is missing or not writable, or the target is a folder.
-    pub fn create(target: &Path) -> Result<Self, PictureError> {
-        let failed = |source| PictureError::Io { path: target.to_owned(), source };
+    pub fn create(target: &Path) -> Result<Self, Error> {
+        let file = || one_line(target.display());
+        let failed = |cause| Error::Write { file: file(), cause };
         if target.is_dir() {
-            return Err(PictureError::IsFolder { path: target.to_owned() });
+            return Err(Error::IsFolder { file: file() });
         }
         let Some(name) = target.file_name() else {
             return Err(failed(io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file")));
@@ -35,7 +36,7 @@ impl StagedFile {
             _ => Path::new("."),
         };
         if !folder.is_dir() {
-            return Err(PictureError::NoFolder { path: target.to_owned(), folder: folder.to_owned() });
+            return Err(Error::NoFolder { file: file(), folder: one_line(folder.display()) });
         }
         // A leftover of a killed process may hold the name: take the next.
         let mut attempt = 0;
@@ -68,11 +69,11 @@ impl StagedFile {
     ///
     /// # Errors
     /// If the last bytes cannot be written or the name cannot be given; the temporary is removed then.
-    pub fn commit(mut self) -> Result<(), PictureError> {
+    pub fn commit(mut self) -> Result<(), Error> {
         let writer = self.writer.take();
         let flushed = writer.map_or(Ok(()), |mut writer| writer.flush());
         let renamed = flushed.and_then(|()| fs::rename(&self.temporary, &self.target));
-        renamed.map_err(|source| PictureError::Io { path: self.target.clone(), source })
+        renamed.map_err(|cause| Error::Write { file: one_line(self.target.display()), cause })
     }
 }
 

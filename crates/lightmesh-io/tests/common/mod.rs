@@ -177,3 +177,10 @@ pub(crate) fn assert_warns(loaded: &Loaded, words: &[&str]) {
     assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
     assert_says(&loaded.warnings[0], words);
 }
+
+/// The CRC of PNG (ISO 3309), bit by bit.
+pub(crate) fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 })
+    })
+}

@@ -113,6 +113,32 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Every place for a texture.
+    pub fn textures(&self) -> [Option<TextureRef>; 7] {
+        [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.emission_texture,
+            self.normal_texture,
+            self.specular_texture,
+            self.specular_color_texture,
+            self.transmission_texture,
+        ]
+    }
+
+    /// [`Material::textures`], in the same order, to be changed.
+    pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 7] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.emission_texture,
+            &mut self.normal_texture,
+            &mut self.specular_texture,
+            &mut self.specular_color_texture,
+            &mut self.transmission_texture,
+        ]
+    }
+
     /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is Lambert.
     pub const MIRROR_ROUGHNESS: f32 = 0.25;
 

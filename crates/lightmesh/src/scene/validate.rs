@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Light, Material, Projection, SceneData, Texels, TextureRef};
+use super::{Light, Material, Projection, SceneData, Texels};
 use crate::Error;
 
 /// Checks all of `data`; mends what can be mended and returns one sentence for each mend.
@@ -47,16 +47,7 @@ fn check_images(data: &SceneData) -> Result<(), Error> {
 
 fn check_material(index: usize, m: &Material, textures: usize) -> Result<(), Error> {
     let place = || format!("material {index} \"{}\"", m.name);
-    let refs: [Option<TextureRef>; 7] = [
-        m.base_color_texture,
-        m.metallic_roughness_texture,
-        m.emission_texture,
-        m.normal_texture,
-        m.specular_texture,
-        m.specular_color_texture,
-        m.transmission_texture,
-    ];
-    for texture in refs.into_iter().flatten() {
+    for texture in m.textures().into_iter().flatten() {
         if texture.texture >= textures || texture.uv_set > 1 {
             let what = format!("texture {} or its uv set {} does not exist", texture.texture, texture.uv_set);
             return invalid(place(), what);

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::one;
+use super::unread::Effect;
 
 /// `materials[]`.
 #[derive(Debug, Default, Deserialize)]
@@ -101,6 +102,39 @@ pub(crate) struct MaterialExtensions {
     pub(crate) ior: Option<Ior>,
     #[serde(rename = "KHR_materials_transmission")]
     pub(crate) transmission: Option<Box<Transmission>>,
+    // What is not read.
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    specular_glossiness: Option<serde::de::IgnoredAny>,
+    #[serde(rename = "KHR_materials_clearcoat", default)]
+    clearcoat: Effect,
+    #[serde(rename = "KHR_materials_sheen", default)]
+    sheen: Effect,
+    #[serde(rename = "KHR_materials_volume", default)]
+    volume: Effect,
+    #[serde(rename = "KHR_materials_iridescence", default)]
+    iridescence: Effect,
+    #[serde(rename = "KHR_materials_anisotropy", default)]
+    anisotropy: Effect,
+    #[serde(rename = "KHR_materials_dispersion", default)]
+    dispersion: Effect,
+    #[serde(rename = "KHR_materials_diffuse_transmission", default)]
+    diffuse_transmission: Effect,
+}
+
+impl MaterialExtensions {
+    /// The extensions that are not read, and whether this surface would look different with them.
+    pub(crate) fn unread(&self) -> [(&'static str, bool); 8] {
+        [
+            ("KHR_materials_pbrSpecularGlossiness", self.specular_glossiness.is_some()),
+            ("KHR_materials_clearcoat", self.clearcoat.0),
+            ("KHR_materials_sheen", self.sheen.0),
+            ("KHR_materials_volume", self.volume.0),
+            ("KHR_materials_iridescence", self.iridescence.0),
+            ("KHR_materials_anisotropy", self.anisotropy.0),
+            ("KHR_materials_dispersion", self.dispersion.0),
+            ("KHR_materials_diffuse_transmission", self.diffuse_transmission.0),
+        ]
+    }
 }
 
 /// KHR_materials_emissive_strength.

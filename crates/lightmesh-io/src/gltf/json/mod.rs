@@ -8,11 +8,12 @@
 mod data;
 mod material;
 mod node;
+mod unread;
 
 use serde::Deserialize;
 
 pub(crate) use data::{Accessor, Buffer, BufferView, Image, Sampler, Sparse, Texture};
-pub(crate) use material::{AlphaMode, Material, Specular, TextureInfo, Transmission};
+pub(crate) use material::{AlphaMode, Material, MaterialExtensions, Specular, TextureInfo, Transmission};
 pub(crate) use node::{Attributes, Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
 
 use crate::error::{Error, one_line};
