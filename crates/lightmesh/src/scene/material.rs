@@ -21,7 +21,7 @@ pub enum AlphaMode {
 
 /// A material as glTF describes it. Textures multiply the factor beside them.
 ///
-/// The reflection model is Lambert plus mirror; [`crate::integrator`] documents how the parameters map to it.
+/// The reflection model is Lambert plus mirror; `docs/gltf.md` in the repository says how the parameters map to it.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// Name in the file, for messages; may be empty.
