@@ -147,6 +147,8 @@ fn text_with_image(uri: &str) -> String {
     gltf.material(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
     let encoded = base64::engine::general_purpose::STANDARD.encode(&gltf.binary);
     gltf.json["buffers"][0]["uri"] = json!(format!("data:;base64,{encoded}"));
+    gltf.json["materials"][0]["emissiveFactor"] = json!([1, 1, 1]);
+    gltf.json["materials"][0]["emissiveTexture"] = json!({"index": 0});
     gltf.json.to_string()
 }
 
@@ -162,7 +164,9 @@ fn a_missing_image_is_left_out_but_none_is_fetched_from_outside() {
     ] {
         let path = folder.write("scene/scene.gltf", text_with_image(uri));
         let loaded = load(&path, &LoadOptions::default()).unwrap();
-        assert!(loaded.data.materials[0].base_color_texture.is_none());
+        let material = &loaded.data.materials[0];
+        assert!(material.base_color_texture.is_none() && material.emission_texture.is_none());
+        assert_eq!(material.emission, glam::Vec3::ZERO, "what a lost picture emits is unknown");
         assert_warns(&loaded, &words);
     }
     for uri in ["../gone.png", "/gone.png", "http://example.org/a.png", "C:/a.png"] {

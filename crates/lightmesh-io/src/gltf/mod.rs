@@ -24,6 +24,7 @@ mod uri;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use glam::Vec3;
 use lightmesh::{Instance, Material, SceneData, TextureRef};
 
 use self::buffer::Buffers;
@@ -164,10 +165,17 @@ fn place_meshes(
     Ok(())
 }
 
-/// Renumbers the textures that materials use; one without a new number is left out, its factor stays.
+/// Renumbers the textures that materials use; one without a new number is left out, its factor stays. Only emission goes
+/// with its texture: a whole wall would shine where the author painted a screen.
 fn leave_out(materials: &mut [Material], index_of: &[Option<usize>]) {
-    for slot in materials.iter_mut().flat_map(Material::textures_mut) {
-        *slot = slot.and_then(|old| Some(TextureRef { texture: index_of[old.texture]?, ..old }));
+    for material in materials {
+        let painted = material.emission_texture.is_some();
+        for slot in material.textures_mut() {
+            *slot = slot.and_then(|old| Some(TextureRef { texture: index_of[old.texture]?, ..old }));
+        }
+        if painted && material.emission_texture.is_none() {
+            material.emission = Vec3::ZERO;
+        }
     }
 }
 
