@@ -127,3 +127,30 @@ fn mesh_points_inside_a_solid_are_invalid() {
     let stats = shoot(&scene, &camera(), &options).stats.direct;
     assert!(stats.points_invalid > 0 && stats.points_invalid * 4 < stats.points_used, "{stats:?}");
 }
+
+/// A surface without extent has a box of size zero; the mesh's spacing is still a length.
+#[derive(Debug)]
+struct Nowhere;
+
+impl Shape for Nowhere {
+    fn bounds(&self) -> Aabb {
+        Aabb { min: Vec3::ONE, max: Vec3::ONE }
+    }
+
+    fn intersect(&self, _: &Ray) -> Option<f32> {
+        None
+    }
+
+    fn normal(&self, _: Vec3) -> Vec3 {
+        Vec3::Y
+    }
+}
+
+#[test]
+fn a_scene_of_a_single_point_renders_black() {
+    let mut data = SceneData { materials: vec![Material::lambert(Vec3::ONE)], ..SceneData::default() };
+    data.shapes.push(ShapeEntry { shape: std::sync::Arc::new(Nowhere), material: 0 });
+    let scene = Scene::new(data).expect("scene");
+    let options = lightmesh::RenderOptions { spacing: Spacing::Auto, ..options(Method::Mesh) };
+    assert!(shoot(&scene, &camera(), &options).image.pixels.iter().all(|&p| p == Vec3::ZERO));
+}

@@ -59,7 +59,7 @@ pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
     evaluate_at(scene, ray, &locate(scene, ray, hit))
 }
 
-/// Evaluates the material at a place; the model is the one of the [module](super).
+/// Evaluates the material at a place; the model is documented at [`Material`].
 fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     let material = &scene.data().materials[place.material];
     let n = bumped_normal(scene, material, place);
@@ -153,7 +153,7 @@ fn plain(place: &Place, n: Vec3, coverage: f32) -> Surface {
     }
 }
 
-/// Schlick's approximation with glTF's F0 and F90 (see the module).
+/// Schlick's approximation with glTF's F0 and F90 (see [`Material`]).
 fn schlick(scene: &Scene, material: &Material, place: &Place, base: Vec3, metallic: f32, cos: f32) -> Vec3 {
     let specular = material.specular * linear_texture(scene, material.specular_texture, place).w;
     let color = material.specular_color * color_texture(scene, material.specular_color_texture, place);
