@@ -5,7 +5,7 @@
 //! the index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
 //! 1 + 5 (0 + 3 · 2) = 31, at place 1 + 8 · 2 + 64 · 1 = 81.
 
-use glam::{UVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 
 use super::Coordinate;
 use super::bricks::Bricks;
@@ -21,6 +21,8 @@ pub(super) struct Lattice {
     origin: Vec3,
     spacing: f32,
     inv_spacing: f32,
+    /// Points inside the scene's box.
+    inside: u64,
     size: UVec3,
     bricks: UVec3,
 }
@@ -29,7 +31,8 @@ impl Lattice {
     /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
     /// through points, and go on `reach` cells beyond on every side.
     pub(super) fn new(bounds: &Aabb, spacing: f32, reach: u32, max_memory: u64) -> Result<Self, Error> {
-        let cells = (bounds.size().as_dvec3() / f64::from(spacing)).ceil() + f64::from(2 * reach);
+        let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
+        let cells = inside + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
         let count = bricks.element_product();
         let bytes = count * Bricks::BYTES_PER_TABLE_ENTRY as f64;
@@ -49,6 +52,7 @@ impl Lattice {
             origin: bounds.min - (reach as f32 - 0.5) * spacing,
             spacing,
             inv_spacing: 1.0 / spacing,
+            inside: inside.as_u64vec3().element_product(),
             size: (bricks * 8.0).as_uvec3(),
             bricks: bricks.as_uvec3(),
         })
@@ -66,9 +70,9 @@ impl Lattice {
         self.bricks.as_u64vec3().element_product() as usize
     }
 
-    /// Points of the whole lattice.
+    /// Points inside the scene's box; the lattice goes on beyond it to whole bricks.
     pub(super) fn point_count(&self) -> u64 {
-        self.size.as_u64vec3().element_product()
+        self.inside
     }
 
     /// A point's position, metres.
@@ -132,6 +136,12 @@ mod tests {
         let (brick, local) = split(UVec3::new(9, 2, 17));
         assert_eq!((l.brick_index(brick), local), (31, 81));
         assert_eq!(l.coordinate(31, 81), UVec3::new(9, 2, 17));
+    }
+
+    /// 10 × 4 × 8 m at 0.25 m.
+    #[test]
+    fn the_box_holds_a_point_per_cell() {
+        assert_eq!(lattice().point_count(), 40 * 16 * 32);
     }
 
     #[test]
