@@ -43,6 +43,13 @@ pub struct RayCounts {
     pub secondary: u64,
 }
 
+impl RayCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.primary + self.shadow + self.gather + self.secondary
+    }
+}
+
 /// The state of one mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshStats {

@@ -3,8 +3,10 @@
 mod common;
 
 use common::*;
+use std::sync::Mutex;
+
 use glam::Vec3;
-use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, render};
+use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, Stage, render};
 
 const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
 
@@ -98,4 +100,28 @@ fn no_light_is_black_and_no_surface_is_an_error() {
         assert!(shoot(&scene, &room_camera(), &options(method)).image.pixels.iter().all(|&p| p == Vec3::ZERO));
     }
     assert!(matches!(Scene::new(lightmesh::SceneData::default()), Err(Error::EmptyScene)));
+}
+
+/// What a progress bar sees: it begins at nothing, never goes back and ends at the whole.
+#[test]
+fn progress_begins_at_zero_and_ends_at_all() {
+    #[derive(Default)]
+    struct Log(Mutex<Vec<(u64, u64, u64)>>);
+    impl Progress for Log {
+        fn report(&self, _: Stage, done: u64, total: u64, rays: u64) {
+            self.0.lock().expect("log").push((done, total, rays));
+        }
+    }
+    let scene = Scene::new(room()).expect("scene");
+    for method in METHODS {
+        let options = options(method);
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        let log = Log::default();
+        let frame = render(&scene, &room_camera(), &options, &mut mesh, &log).expect("frame");
+        let log = log.0.into_inner().expect("log");
+        let total = 64 * 48;
+        assert_eq!(log.first(), Some(&(0, total, 0)), "{method:?}");
+        assert_eq!(log.last(), Some(&(total, total, frame.stats.rays.total())), "{method:?}");
+        assert!(log.windows(2).all(|w| w[0].0 <= w[1].0), "{method:?}");
+    }
 }

@@ -9,11 +9,12 @@ use super::surface::{Surface, evaluate};
 use super::wave::MAX_LAYERS;
 use crate::film::Film;
 use crate::geometry::Ray;
+use crate::progress::Reporter;
 use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
-/// Samples per unit of parallel work, and units between two reports.
+/// Samples per unit of parallel work, and units between two visits to the film.
 const BLOCK: u64 = 256;
-const BLOCKS_PER_REPORT: u64 = 256;
+const BLOCKS: u64 = 256;
 
 /// Diffuse bounces after which Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 3;
@@ -28,9 +29,10 @@ pub(crate) fn render_path(
     let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
     let total = film.sample_count();
+    let reporter = Reporter::new(progress, Stage::Render, total);
     let mut first = 0;
     while first < total {
-        let end = (first + BLOCK * BLOCKS_PER_REPORT).min(total);
+        let end = (first + BLOCK * BLOCKS).min(total);
         let camera = &*film;
         let blocks: Vec<(Vec<(u32, Vec3)>, RayCounts)> = (0..(end - first).div_ceil(BLOCK))
             .into_par_iter()
@@ -39,13 +41,14 @@ pub(crate) fn render_path(
                 let begin = first + block * BLOCK;
                 let radiance = camera
                     .samples(begin..(begin + BLOCK).min(end))
-                    .take_while(|_| !progress.cancelled())
+                    .take_while(|_| !reporter.cancelled())
                     .map(|s| (s.pixel, tracer.li(camera.ray(s), &mut Sampler::new(options.seed, s.pixel, s.index))))
                     .collect();
+                reporter.add(end.min(begin + BLOCK) - begin, tracer.rays.total());
                 (radiance, tracer.rays)
             })
             .collect();
-        if progress.cancelled() {
+        if reporter.cancelled() {
             return Err(Error::Cancelled);
         }
         for (samples, rays) in blocks {
@@ -56,8 +59,6 @@ pub(crate) fn render_path(
             stats.rays.secondary += rays.secondary;
         }
         first = end;
-        let rays = stats.rays.primary + stats.rays.shadow + stats.rays.gather + stats.rays.secondary;
-        progress.report(Stage::Render, first, total, rays);
     }
     stats.seconds.shade = started.elapsed().as_secs_f64();
     Ok(stats)

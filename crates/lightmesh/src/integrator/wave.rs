@@ -12,6 +12,7 @@ use crate::bvh::Hit;
 use crate::film::{Film, Sample};
 use crate::geometry::{Ray, offset_origin};
 use crate::light_mesh::{LightMesh, Marks, Reading};
+use crate::progress::Reporter;
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
@@ -80,6 +81,7 @@ pub(crate) fn render_waves(
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
     let total = film.sample_count();
+    let reporter = Reporter::new(progress, Stage::Render, total);
     let mut first = 0;
     // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
     // them for each mirror and refraction event.
@@ -114,7 +116,7 @@ pub(crate) fn render_waves(
             stats.seconds.shade += started.elapsed().as_secs_f64();
         }
 
-        light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), progress, &mut stats)?;
+        light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), &reporter, &mut stats)?;
 
         // To the film and the queue, in order.
         let started = Instant::now();
@@ -125,8 +127,6 @@ pub(crate) fn render_waves(
             stats.exact_fallbacks += std::mem::take(&mut block.fallbacks);
         }
         stats.seconds.shade += started.elapsed().as_secs_f64();
-        let rays = stats.rays.primary + stats.rays.shadow + stats.rays.secondary;
-        progress.report(Stage::Render, first, total, rays);
     }
     Ok(stats)
 }
@@ -138,10 +138,10 @@ fn light(
     options: &RenderOptions,
     lighting: &mut Lighting<'_>,
     marks: Option<&mut Marks>,
-    progress: &dyn Progress,
+    reporter: &Reporter<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
-    let cancelled = || if progress.cancelled() { Err(Error::Cancelled) } else { Ok(()) };
+    let cancelled = || if reporter.cancelled() { Err(Error::Cancelled) } else { Ok(()) };
     cancelled()?;
     match (lighting, marks) {
         (Lighting::Mesh(mesh), Some(marks)) => {
@@ -156,19 +156,24 @@ fn light(
                 let step = if waiting { &mut stats.seconds.demand } else { &mut stats.seconds.shade };
                 *step += started.elapsed().as_secs_f64();
                 if !waiting {
+                    blocks.iter().for_each(|block| block.report(reporter));
                     break;
                 }
                 let started = Instant::now();
                 let fill = mesh.fill(scene, marks)?;
                 stats.rays.shadow += fill.shadow_rays;
                 stats.rays.secondary += fill.probe_rays;
+                reporter.add(0, fill.shadow_rays + fill.probe_rays);
                 stats.seconds.fill_direct += started.elapsed().as_secs_f64();
                 cancelled()?;
             }
         }
         _ => {
             let started = Instant::now();
-            blocks.par_iter_mut().for_each(|block| block.shade_exactly(scene, options, progress));
+            blocks.par_iter_mut().for_each(|block| {
+                block.shade_exactly(scene, options, reporter);
+                block.report(reporter);
+            });
             stats.seconds.shade += started.elapsed().as_secs_f64();
         }
     }
@@ -182,6 +187,13 @@ impl Block {
             let ray = film.ray(sample);
             WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
         }));
+    }
+
+    /// Counts the rays of a finished block, and its samples if they are camera rays.
+    fn report(&self, reporter: &Reporter<'_>) {
+        let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
+        let rays = self.input.len() as u64;
+        reporter.add(if from_camera { rays } else { 0 }, rays + self.shadow_rays);
     }
 
     fn add_to(&self, film: &mut Film) {
@@ -218,9 +230,9 @@ impl Block {
         }
     }
 
-    fn shade_exactly(&mut self, scene: &Scene, options: &RenderOptions, progress: &dyn Progress) {
+    fn shade_exactly(&mut self, scene: &Scene, options: &RenderOptions, reporter: &Reporter<'_>) {
         self.irradiance.clear();
-        if progress.cancelled() {
+        if reporter.cancelled() {
             return;
         }
         for vertex in &self.vertices {
