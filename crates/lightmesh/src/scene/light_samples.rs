@@ -24,8 +24,8 @@ use crate::geometry::Ray;
 /// Lights per block.
 pub(crate) const LANES: usize = 16;
 
-/// A shadow ray stops this fraction short of its light, so that a lamp's own surface does not hide it: the offset that
-/// keeps rays off the surface they start from is as large (see `offset_origin`), with a tenfold margin.
+/// A shadow ray stops this part of its length short of its light, so that a lamp's own surface on which the light was put
+/// does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
 /// r² is not taken below this (1 µm): a light that touches a point stays finite.

@@ -150,7 +150,7 @@ impl Material {
     }
 
     /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness below
-    /// 0.6 (empirical: above it a lobe of F0 = 0.04 is hard to tell from Lambert).
+    /// 0.6 (a judgement, not measured: above it a lobe of F0 = 0.04 looks much like Lambert).
     pub(crate) fn falls_back_to_lambert(&self) -> bool {
         let rough = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
         let glossy = self.metallic > 0.5 || (self.specular > 0.0 && self.roughness < 0.6);
