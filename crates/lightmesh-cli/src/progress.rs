@@ -54,7 +54,6 @@ impl Bar {
                 self.bar.set_style(style.progress_chars("=> "));
                 self.bar.set_message("");
                 self.bar.set_prefix(match stage {
-                    Stage::Build => "building",
                     Stage::Render => "rendering",
                     _ => "working",
                 });

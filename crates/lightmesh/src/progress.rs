@@ -7,8 +7,6 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Building the acceleration structures.
-    Build,
     /// Tracing and shading a picture's samples; counts samples.
     Render,
 }

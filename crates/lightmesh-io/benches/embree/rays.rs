@@ -43,7 +43,7 @@ fn start(scene: &BenchScene, ray: &Ray, hit: &Hit, extent: f32) -> (Vec3, Vec3) 
     let [a, b, c] = scene.triangle(instance, triangle);
     let n = (b - a).cross(c - a).normalize_or(Vec3::Y);
     let n = if n.dot(ray.direction) > 0.0 { -n } else { n };
-    (offset_origin(a + (b - a) * hit.u + (c - a) * hit.v, n, extent), n)
+    (offset_origin(a + (b - a) * hit.u + (c - a) * hit.v, n, extent, n), n)
 }
 
 /// A direction about `n` with density cosθ/π: `n` plus a point of the unit sphere.

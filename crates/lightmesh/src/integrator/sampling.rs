@@ -1,6 +1,6 @@
 //! Sample positions: the film, the hemisphere, and choices; all seeded from (pixel, sample, dimension).
 
-use std::f32::consts::{FRAC_1_PI, TAU};
+use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
@@ -55,13 +55,11 @@ pub(crate) fn sample_cosine_hemisphere(u: Vec2) -> Vec3 {
     Vec3::new(r * libm::cosf(phi), r * libm::sinf(phi), z)
 }
 
-/// The density of [`sample_cosine_hemisphere`] per steradian; 0 below the horizon.
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "third of sample, pdf, invert: the pdf cancels against Lambert's cosine")
-)]
+/// The density of [`sample_cosine_hemisphere`] per steradian; 0 below the horizon. Rendering does not need it: it cancels
+/// against Lambert's cosine.
+#[cfg(test)]
 pub(crate) fn pdf_cosine_hemisphere(w: Vec3) -> f32 {
-    w.z.max(0.0) * FRAC_1_PI
+    w.z.max(0.0) * std::f32::consts::FRAC_1_PI
 }
 
 /// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al., "Building an Orthonormal Basis,

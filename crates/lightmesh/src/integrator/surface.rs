@@ -28,8 +28,7 @@ pub(crate) struct Vertex {
 impl Vertex {
     /// Where a ray towards `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        let side = if self.ng.dot(direction) < 0.0 { -self.ng } else { self.ng };
-        offset_origin(self.position, side, self.extent)
+        offset_origin(self.position, self.ng, self.extent, direction)
     }
 }
 

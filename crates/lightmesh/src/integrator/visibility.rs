@@ -41,7 +41,7 @@ fn transmittance(scene: &Scene, ray: &Ray, crossings: &mut Vec<Hit>) -> Vec3 {
     if blocked {
         return Vec3::ZERO;
     }
-    crossings.sort_unstable_by(|a, b| a.t.total_cmp(&b.t));
+    crossings.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.target.cmp(&b.target)));
 
     let (mut passed, mut last) = (Vec3::ONE, f32::NEG_INFINITY);
     for hit in crossings.iter() {

@@ -324,7 +324,6 @@ impl Surface {
 
     /// A ray from the surface along `direction`.
     pub(super) fn leave(&self, direction: Vec3) -> Ray {
-        let side = if self.ng.dot(direction) < 0.0 { -self.ng } else { self.ng };
-        Ray::new(offset_origin(self.position, side, self.extent), direction)
+        Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
     }
 }
