@@ -62,6 +62,6 @@ pub use options::{Falloff, Interpolation, Method, PaperScale, RenderOptions, Spa
 pub use progress::{Progress, Stage};
 pub use render::{Frame, render};
 pub use scene::{
-    AlphaMode, Camera, FilmRays, Filter, ImageData, Instance, Light, Material, Projection, Scene, SceneData,
-    ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, headlight,
+    AlphaMode, Camera, EmitterOptions, Environment, FilmRays, Filter, ImageData, Instance, Light, Material, Projection,
+    Scene, SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, headlight,
 };

@@ -3,7 +3,7 @@
 use fearless_simd::Level;
 use glam::Mat3;
 
-use super::{AlphaMode, LightSamples, Material, SceneData, validate};
+use super::{AlphaMode, EmitterOptions, LightSamples, Material, SceneData, validate};
 use crate::Error;
 use crate::bvh::SceneBvh;
 use crate::geometry::Aabb;
@@ -37,7 +37,15 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::InvalidScene`] names the object and value that is wrong; [`Error::EmptyScene`] if there is no surface.
-    pub fn new(mut data: SceneData) -> Result<Self, Error> {
+    pub fn new(data: SceneData) -> Result<Self, Error> {
+        Self::with_emitters(data, &EmitterOptions::default())
+    }
+
+    /// [`Scene::new`] with a say in how emitters become light samples.
+    ///
+    /// # Errors
+    /// As [`Scene::new`], and [`Error::InvalidOption`] for options out of range.
+    pub fn with_emitters(mut data: SceneData, _emitters: &EmitterOptions) -> Result<Self, Error> {
         let mut warnings = validate::check(&mut data)?;
         warnings.extend(glossy_warning(&data.materials));
         let bvh = SceneBvh::build(&data);

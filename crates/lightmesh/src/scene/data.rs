@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
-use super::{Camera, ImageData, Light, Material, Texture};
+use super::{Camera, Environment, ImageData, Light, Material, Texture};
 use crate::geometry::{Aabb, Shape, Sphere, TriangleMesh};
 
 /// A mesh placed in the world.
@@ -46,6 +46,8 @@ pub struct SceneData {
     pub images: Vec<ImageData>,
     /// Punctual lights.
     pub lights: Vec<Light>,
+    /// What rays see that leave the scene; `None`: black.
+    pub environment: Option<Environment>,
     /// Cameras of the file.
     pub cameras: Vec<Camera>,
 }

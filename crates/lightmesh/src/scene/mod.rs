@@ -3,6 +3,7 @@
 mod built;
 mod camera;
 mod data;
+mod environment;
 mod headlight;
 mod light;
 mod light_samples;
@@ -13,6 +14,7 @@ mod validate;
 pub use built::Scene;
 pub use camera::{Camera, FilmRays, Projection};
 pub use data::{Instance, SceneData, ShapeEntry};
+pub use environment::{EmitterOptions, Environment};
 pub use headlight::headlight;
 pub use light::Light;
 pub(crate) use light_samples::{Directions, LightSamples};
