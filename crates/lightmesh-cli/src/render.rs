@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use lightmesh::{Camera, LightMesh, Method, Scene, SceneData, headlight};
+use lightmesh::{Camera, LightMesh, Scene, SceneData, headlight};
 use lightmesh_io::output::{Metadata, Precision, auto_exposure};
 
 use crate::{
@@ -34,9 +34,6 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         options.check_picture_memory()?;
     }
     let outputs = Outputs::check(&args.output, args.stats.as_deref())?;
-    if args.wants_bounces() && options.method != Method::Path {
-        warn(&format!("--bounces: --method {} renders direct light so far", method_name(options.method)));
-    }
     interrupt::listen();
     if let Some(threads) = args.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
@@ -121,6 +118,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
         let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
+        if let Some(note) = left_out(options.bounces, frame.stats.left_out) {
+            terminal::note(&note);
+        }
         terminal::note(&format!(
             "{} in {:.2} s ({:.2} s of it rendering){exposure}",
             names.join(", "),
@@ -129,6 +129,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// What is known of the light that more bounces would bring.
+fn left_out(bounces: u32, part: Option<f64>) -> Option<String> {
+    let part = part.filter(|_| bounces > 0)?;
+    Some(format!("{bounces} bounce(s) leave out about {:.1}% of the light", 100.0 * part))
 }
 
 /// A scene that can be rendered, and from where.

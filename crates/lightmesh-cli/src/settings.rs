@@ -17,6 +17,8 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
         depth,
         cutoff,
         spacing,
+        indirect_spacing,
+        gather_rays,
         interpolation,
         field_falloff,
         falloff,
@@ -31,11 +33,9 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
         "bounces": bounces,
         "depth": depth,
         "cutoff": cutoff.to_string(),
-        "spacing": match spacing {
-            Spacing::Auto => "auto".to_owned(),
-            Spacing::Fraction(k) => format!("1/{k}"),
-            Spacing::Metres(metres) => metres.to_string(),
-        },
+        "spacing": spell_spacing(*spacing),
+        "indirect-spacing": spell_spacing(*indirect_spacing),
+        "gather-rays": gather_rays,
         "interpolation": match interpolation {
             Interpolation::Auto => "auto".to_owned(),
             Interpolation::Trilinear => "trilinear".to_owned(),
@@ -57,6 +57,14 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
         "camera": camera,
     })
     .to_string()
+}
+
+fn spell_spacing(spacing: Spacing) -> String {
+    match spacing {
+        Spacing::Auto => "auto".to_owned(),
+        Spacing::Fraction(k) => format!("1/{k}"),
+        Spacing::Metres(metres) => metres.to_string(),
+    }
 }
 
 fn spell_falloff(falloff: Falloff) -> String {

@@ -39,8 +39,17 @@ pub struct RayCounts {
     pub shadow: u64,
     /// From indirect mesh points, or a path's diffuse bounces.
     pub gather: u64,
-    /// Mirrored, refracted and passed through, and those that find out whether mesh points are inside solids.
+    /// Mirrored, refracted and passed through, and those that find out what mesh points and surfaces see of each other.
     pub secondary: u64,
+}
+
+impl std::ops::AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.shadow += other.shadow;
+        self.gather += other.gather;
+        self.secondary += other.secondary;
+    }
 }
 
 impl RayCounts {
@@ -76,6 +85,10 @@ pub struct RenderStats {
     pub direct: MeshStats,
     /// The indirect mesh after the frame.
     pub indirect: MeshStats,
-    /// Hits at which no mesh point was usable and light was computed exactly.
+    /// Surface points at which no point of the direct mesh was usable: shadow rays were shot.
     pub exact_fallbacks: u64,
+    /// Surface points at which no point of the indirect mesh was usable: gather rays were shot.
+    pub gather_fallbacks: u64,
+    /// What bounces after the last one would add, estimated, as a part of all light; `None` where nothing is known of it.
+    pub left_out: Option<f64>,
 }

@@ -19,13 +19,19 @@ pub enum Method {
 /// Distance between neighbouring mesh points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// The longest edge of the scene's box / 40.
+    /// The longest edge of the scene's box / 40, for the indirect mesh / 30.
     #[default]
     Auto,
     /// The longest edge of the scene's box divided by this; > 0.
     Fraction(f32),
     /// Metres, > 0.
     Metres(f32),
+}
+
+impl Spacing {
+    /// Cells along the longest edge by default: of the direct and of the indirect mesh.
+    pub(crate) const AUTO: f32 = 40.0;
+    pub(crate) const AUTO_INDIRECT: f32 = 30.0;
 }
 
 /// The neighbourhood D_y of formula (3g).
@@ -85,7 +91,7 @@ pub struct RenderOptions {
     pub height: u32,
     /// Samples per pixel, box filter of one pixel; 1 samples the pixel's centre.
     pub spp: u32,
-    /// Diffuse interreflections; 0 is direct light only. Only [`Method::Path`] computes them so far.
+    /// Diffuse interreflections; 0 is direct light only, 1 the paper. At most 4096. [`Method::Standard`] computes none.
     pub bounces: u32,
     /// How many mirror and refraction events a ray may meet in a row.
     pub depth: u32,
@@ -93,6 +99,10 @@ pub struct RenderOptions {
     pub cutoff: f32,
     /// Spacing of the direct mesh.
     pub spacing: Spacing,
+    /// Spacing of the indirect mesh.
+    pub indirect_spacing: Spacing,
+    /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
+    pub gather_rays: u32,
     /// How mesh points are combined.
     pub interpolation: Interpolation,
     /// φ1: attenuation inside the direct field of [`Method::Paper`].
@@ -118,6 +128,8 @@ impl Default for RenderOptions {
             depth: 8,
             cutoff: 1e-3,
             spacing: Spacing::default(),
+            indirect_spacing: Spacing::default(),
+            gather_rays: 256,
             interpolation: Interpolation::default(),
             field_falloff: Falloff::default(),
             falloff: Falloff::default(),
@@ -162,10 +174,18 @@ impl RenderOptions {
         if self.spp == 0 || self.spp > 1 << 16 {
             return bad("spp", format!("must be between 1 and 65536, not {}", self.spp));
         }
-        if let Spacing::Metres(x) | Spacing::Fraction(x) = self.spacing
-            && !(x > 0.0 && x.is_finite())
-        {
-            return bad("spacing", format!("must be above 0, not {x}"));
+        for (option, spacing) in [("spacing", self.spacing), ("indirect-spacing", self.indirect_spacing)] {
+            if let Spacing::Metres(x) | Spacing::Fraction(x) = spacing
+                && !(x > 0.0 && x.is_finite())
+            {
+                return bad(option, format!("must be above 0, not {x}"));
+            }
+        }
+        if self.gather_rays == 0 || self.gather_rays > 1 << 16 {
+            return bad("gather-rays", format!("must be between 1 and 65536, not {}", self.gather_rays));
+        }
+        if self.bounces > 4096 {
+            return bad("bounces", format!("must be at most 4096, not {}", self.bounces));
         }
         if let Interpolation::Sphere { radius } = self.interpolation
             && !(radius > 0.0 && radius <= 16.0)

@@ -48,6 +48,8 @@ pub fn render(
     stats.seconds.render = started.elapsed().as_secs_f64();
     if matches!(options.method, Method::Mesh | Method::Paper) {
         stats.direct = mesh.stats();
+        stats.indirect = mesh.indirect_stats();
+        stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
     }
     Ok(Frame { image, stats })
 }

@@ -51,9 +51,9 @@ pub(crate) struct RenderArgs {
     /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().spp, value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
     spp: u32,
-    /// Diffuse interreflections; 0: direct light only; so far --method path alone computes them [default: 3]
-    #[arg(long, value_name = "N", help_heading = "Light")]
-    bounces: Option<u32>,
+    /// Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard computes none
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().bounces, value_parser = value_parser!(u32).range(..=4096), help_heading = "Light")]
+    bounces: u32,
     /// Mirror and refraction events that a ray may meet in a row
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().depth, help_heading = "Light")]
     depth: u32,
@@ -70,6 +70,12 @@ pub(crate) struct RenderArgs {
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/40)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     spacing: Spacing,
+    /// Distance between points of the indirect mesh; auto is 1/30
+    #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
+    indirect_spacing: Spacing,
+    /// Rays that gather light at a point of the indirect mesh, 1 to 65536
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().gather_rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
+    gather_rays: u32,
     /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);
     /// auto: trilinear, with --method paper sphere
     #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
@@ -127,10 +133,12 @@ impl RenderArgs {
             width: self.size.map_or(default.width, |size| size.width),
             height: self.size.map_or(default.height, |size| size.height),
             spp: self.spp,
-            bounces: self.bounces.unwrap_or(default.bounces),
+            bounces: self.bounces,
             depth: self.depth,
             cutoff: self.cutoff,
             spacing: self.spacing,
+            indirect_spacing: self.indirect_spacing,
+            gather_rays: self.gather_rays,
             interpolation: self.interpolation,
             field_falloff: self.field_falloff,
             falloff: self.falloff,
@@ -151,11 +159,6 @@ impl RenderArgs {
             scene: self.scene_name.clone(),
             max_memory: self.max_memory,
         }
-    }
-
-    /// Whether interreflections were asked for by name.
-    pub(crate) fn wants_bounces(&self) -> bool {
-        self.bounces.is_some_and(|n| n > 0)
     }
 }
 
@@ -194,7 +197,7 @@ mod tests {
     /// Flags of later versions are unknown, not ignored.
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for flag in ["--gather-rays", "--light-radius", "--aov", "--error", "--rays", "--environment"] {
+        for flag in ["--light-radius", "--aov", "--error", "--rays", "--environment"] {
             assert!(parse(&[flag, "1"]).is_err(), "{flag}");
         }
     }

@@ -67,13 +67,13 @@ fn a_scene_without_light_is_lit_from_the_camera_with_a_warning() {
 }
 
 #[test]
-fn bounces_with_a_direct_method_are_a_warning_only_when_asked_for() {
+fn what_bounces_leave_out_is_said_where_the_mesh_knows_it() {
     let place = Place::new();
-    let warned = |line: &str| place.run(line).exits(0).stderr().contains("warning: --bounces");
-    assert!(warned("render scene.gltf -o a.png --size 8x8 --bounces 1"));
-    assert!(!warned("render scene.gltf -o a.png --size 8x8 --bounces 0"));
-    assert!(!warned("render scene.gltf -o a.png --size 8x8"));
-    assert!(!warned("render scene.gltf -o a.png --size 8x8 --bounces 1 --method path --spp 1"));
+    let said = |line: &str| place.run(line).exits(0).stderr().contains("% of the light");
+    assert!(said("render scene.gltf -o a.png --size 8x8 --bounces 1"));
+    assert!(said("render scene.gltf -o a.png --size 8x8"));
+    assert!(!said("render scene.gltf -o a.png --size 8x8 --bounces 0"));
+    assert!(!said("render scene.gltf -o a.png --size 8x8 --method standard"));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! The reflection model is documented at [`Material`](crate::Material).
 
 mod direct;
+mod lit;
 mod path;
 mod place;
 mod sampling;
@@ -10,8 +11,9 @@ mod surface;
 mod visibility;
 mod wave;
 
+pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use path::render_path;
-pub(crate) use sampling::{film_samples, hash};
-pub(crate) use surface::{Vertex, is_back_face};
+pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere};
+pub(crate) use surface::{Vertex, evaluate, is_back_face, is_solid};
 pub(crate) use visibility::{VisibilityScratch, visibility};
-pub(crate) use wave::{Lighting, render_waves};
+pub(crate) use wave::{Lighting, MAX_LAYERS, render_waves};

@@ -70,10 +70,14 @@ fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle:
     let b = [1.0 - hit.u - hit.v, hit.u, hit.v];
 
     // The point from the corners: closer to the surface than o + t·d is.
-    let p = corners.map(|i| placed.world_from_object.transform_point3(mesh.positions[i]));
+    let mut p = corners.map(|i| mesh.positions[i]);
+    if !frame.is_identity {
+        p = p.map(|p| placed.world_from_object.transform_point3(p));
+    }
     let position = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
     let extent = p[0].abs().max(p[1].abs()).max(p[2].abs()).max_element();
-    let outward = ((p[1] - p[0]).cross(p[2] - p[0]) * frame.handedness).normalize_or(-ray.direction.normalize());
+    let outward = (p[1] - p[0]).cross(p[2] - p[0]) * frame.handedness;
+    let outward = outward.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
     let front = outward.dot(ray.direction) < 0.0;
     let ng = if front { outward } else { -outward };
 

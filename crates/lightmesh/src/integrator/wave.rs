@@ -6,12 +6,12 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::direct::Scratch;
+use super::lit::{DirectLighting, LitVertices};
 use super::surface::{Surface, Vertex, evaluate};
 use crate::bvh::Hit;
 use crate::film::{Film, Sample};
 use crate::geometry::{Ray, offset_origin};
-use crate::light_mesh::{LightMesh, Marks, Reading};
+use crate::light_mesh::{IndirectField, IndirectReading, LightMarks, LightMesh, Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
@@ -25,7 +25,7 @@ const BLOCKS_PER_WAVE: usize = 128;
 const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
 
 /// BLEND and MASK layers that a ray may pass in a row.
-pub(super) const MAX_LAYERS: u8 = 64;
+pub(crate) const MAX_LAYERS: u8 = 64;
 
 /// Where the light at a wave's hits comes from.
 #[derive(Debug)]
@@ -55,15 +55,15 @@ struct Block {
     input: Vec<WaveRay>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    vertices: Vec<Vertex>,
+    lit: LitVertices,
+    /// Indirect irradiance of each vertex, lux; empty where there is none.
+    indirect: Vec<Vec3>,
+    /// Vertices that the indirect mesh has not answered yet, and those that it has no answer for.
+    waiting: Vec<u32>,
+    orphans: Vec<u32>,
+    sight_rays: u64,
     emitted: Vec<(u32, Vec3)>,
     next: Vec<WaveRay>,
-    irradiance: Vec<Vec3>,
-    /// Vertices that the mesh has not answered yet.
-    waiting: Vec<u32>,
-    scratch: Scratch,
-    shadow_rays: u64,
-    fallbacks: u64,
 }
 
 /// Renders all samples of the film with exact or mesh light.
@@ -123,8 +123,8 @@ pub(crate) fn render_waves(
         for block in &mut blocks[..used] {
             block.add_to(film);
             queue.append(&mut block.next);
-            stats.rays.shadow += std::mem::take(&mut block.shadow_rays);
-            stats.exact_fallbacks += std::mem::take(&mut block.fallbacks);
+            block.lit.take_counts(&mut stats);
+            stats.rays.secondary += std::mem::take(&mut block.sight_rays);
         }
         stats.seconds.shade += started.elapsed().as_secs_f64();
     }
@@ -137,7 +137,7 @@ fn light(
     blocks: &mut [Block],
     options: &RenderOptions,
     lighting: &mut Lighting<'_>,
-    marks: Option<&mut Marks>,
+    marks: Option<&mut LightMarks>,
     reporter: &Reporter<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
@@ -145,39 +145,69 @@ fn light(
     cancelled()?;
     match (lighting, marks) {
         (Lighting::Mesh(mesh), Some(marks)) => {
-            let started = Instant::now();
-            blocks.par_iter_mut().for_each(|block| block.sum_unshadowed(scene, options));
-            stats.seconds.shade += started.elapsed().as_secs_f64();
-            // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
-            loop {
-                let started = Instant::now();
-                blocks.par_iter_mut().for_each(|block| block.shade_by_mesh(scene, options, mesh, marks));
-                let waiting = blocks.iter().any(|block| !block.waiting.is_empty());
-                let step = if waiting { &mut stats.seconds.demand } else { &mut stats.seconds.shade };
-                *step += started.elapsed().as_secs_f64();
-                if !waiting {
-                    blocks.iter().for_each(|block| block.report(reporter));
-                    break;
-                }
-                let started = Instant::now();
-                let fill = mesh.fill(scene, marks)?;
-                stats.rays.shadow += fill.shadow_rays;
-                stats.rays.secondary += fill.probe_rays;
-                reporter.add(0, fill.shadow_rays + fill.probe_rays);
-                stats.seconds.fill_direct += started.elapsed().as_secs_f64();
-                cancelled()?;
+            let (field, direct_marks) = (&mut mesh.direct, &mut marks.direct);
+            let mut direct = DirectLighting { scene, options, field, marks: direct_marks, reporter, stats };
+            let mut lists: Vec<&mut LitVertices> = blocks.iter_mut().map(|block| &mut block.lit).collect();
+            let seconds = direct.light(Sight::Every, &mut lists)?;
+            let sum = &mut direct.stats.seconds;
+            sum.demand += seconds.demand;
+            sum.fill_direct += seconds.fill;
+            sum.shade += seconds.shade;
+            if let (Some(field), Some(marks)) = (&mut mesh.indirect, &mut marks.indirect) {
+                light_indirectly(field, marks, direct, blocks)?;
             }
+            blocks.iter().for_each(|block| block.report(reporter));
         }
         _ => {
             let started = Instant::now();
             blocks.par_iter_mut().for_each(|block| {
-                block.shade_exactly(scene, options, reporter);
+                if !reporter.cancelled() {
+                    block.lit.shade_exactly(scene, options.falloff);
+                }
                 block.report(reporter);
             });
             stats.seconds.shade += started.elapsed().as_secs_f64();
         }
     }
     cancelled()
+}
+
+/// Adds the indirect irradiance, formula (6), at every vertex of the blocks.
+fn light_indirectly(
+    field: &mut IndirectField,
+    marks: &mut Marks,
+    mut direct: DirectLighting<'_, '_>,
+    blocks: &mut [Block],
+) -> Result<(), Error> {
+    let bounces = direct.options.bounces;
+    blocks.iter_mut().for_each(Block::await_indirect);
+    loop {
+        let started = Instant::now();
+        let (scene, readable) = (direct.scene, &*field);
+        blocks.par_iter_mut().for_each(|block| block.read_indirect(scene, readable, bounces, marks));
+        let waiting = blocks.iter().any(|block| !block.waiting.is_empty());
+        let seconds = &mut direct.stats.seconds;
+        let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
+        *step += started.elapsed().as_secs_f64();
+        if !waiting {
+            break;
+        }
+        field.fill(&mut direct, marks)?;
+    }
+
+    // Where nothing could be read, rays are gathered at the surface itself.
+    let started = Instant::now();
+    let orphans: Vec<Vertex> = blocks.iter().flat_map(Block::orphans).copied().collect();
+    let gathered = field.gather_at(&mut direct, marks, &orphans, bounces)?;
+    direct.stats.gather_fallbacks += orphans.len() as u64;
+    let mut gathered = gathered.into_iter();
+    for block in blocks {
+        for &i in &block.orphans {
+            block.indirect[i as usize] = gathered.next().unwrap_or_default();
+        }
+    }
+    direct.stats.seconds.shade += started.elapsed().as_secs_f64();
+    Ok(())
 }
 
 impl Block {
@@ -193,14 +223,17 @@ impl Block {
     fn report(&self, reporter: &Reporter<'_>) {
         let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
         let rays = self.input.len() as u64;
-        reporter.add(if from_camera { rays } else { 0 }, rays + self.shadow_rays);
+        reporter.add(if from_camera { rays } else { 0 }, rays + self.lit.rays());
     }
 
     fn add_to(&self, film: &mut Film) {
         for &(pixel, radiance) in &self.emitted {
             film.add(pixel, radiance);
         }
-        for (vertex, &irradiance) in self.vertices.iter().zip(&self.irradiance) {
+        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.lit.direct) {
+            film.add(vertex.pixel, vertex.weight * irradiance);
+        }
+        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.indirect) {
             film.add(vertex.pixel, vertex.weight * irradiance);
         }
     }
@@ -213,7 +246,8 @@ impl Block {
         self.hits.resize(self.rays.len(), None);
         scene.bvh().closest_batch(&self.rays, &mut self.hits);
 
-        self.vertices.clear();
+        self.lit.vertices.clear();
+        self.indirect.clear();
         self.emitted.clear();
         self.next.clear();
         for (from, hit) in self.input.iter().zip(&self.hits) {
@@ -224,52 +258,39 @@ impl Block {
                 self.emitted.push((from.pixel, beta * surface.emission));
             }
             if surface.diffuse != Vec3::ZERO {
-                self.vertices.push(surface.vertex(beta, from.pixel));
+                self.lit.vertices.push(surface.vertex(beta, from.pixel));
             }
             spawn(&mut self.next, from, hit, &surface, options);
         }
     }
 
-    fn shade_exactly(&mut self, scene: &Scene, options: &RenderOptions, reporter: &Reporter<'_>) {
-        self.irradiance.clear();
-        if reporter.cancelled() {
-            return;
-        }
-        for vertex in &self.vertices {
-            let (irradiance, rays) = self.scratch.irradiance(scene, options.falloff, vertex);
-            self.irradiance.push(irradiance);
-            self.shadow_rays += rays;
-        }
-    }
-
-    /// Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
-    fn sum_unshadowed(&mut self, scene: &Scene, options: &RenderOptions) {
-        let points = self.vertices.iter().map(|v| (v.position, v.n));
-        scene.lights().irradiance(scene.level(), options.falloff, points, &mut self.irradiance);
+    /// Lets every vertex wait for indirect light.
+    fn await_indirect(&mut self) {
+        self.indirect.clear();
+        self.indirect.resize(self.lit.vertices.len(), Vec3::ZERO);
+        self.orphans.clear();
         self.waiting.clear();
-        let lit = |&i: &u32| self.irradiance[i as usize] != Vec3::ZERO;
-        self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
+        self.waiting.extend(0..self.lit.vertices.len() as u32);
     }
 
-    /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
-    /// waiting.
-    fn shade_by_mesh(&mut self, scene: &Scene, options: &RenderOptions, mesh: &LightMesh, marks: &Marks) {
-        let mut reader = mesh.reader();
-        let Self { waiting, vertices, irradiance, scratch, shadow_rays, fallbacks, .. } = self;
+    /// Reads the mesh for the vertices that wait; those whose points are empty mark them and go on waiting.
+    fn read_indirect(&mut self, scene: &Scene, field: &IndirectField, bounces: u32, marks: &Marks) {
+        let mut reader = field.reader(scene, bounces, Sight::Every);
+        let Self { waiting, lit, indirect, orphans, .. } = self;
         waiting.retain(|&i| {
-            let (vertex, irradiance) = (&vertices[i as usize], &mut irradiance[i as usize]);
-            match reader.read(vertex, marks) {
-                Reading::Visibility(visibility) => *irradiance *= visibility,
-                Reading::Nothing => {
-                    let (exact, rays) = scratch.irradiance(scene, options.falloff, vertex);
-                    *irradiance = exact;
-                    *shadow_rays += rays;
-                    *fallbacks += 1;
-                }
-                Reading::Empty => return true,
+            match reader.read(&lit.vertices[i as usize], marks) {
+                IndirectReading::Irradiance(irradiance) => indirect[i as usize] = irradiance,
+                IndirectReading::Nothing => orphans.push(i),
+                IndirectReading::Empty => return true,
             }
             false
         });
+        self.sight_rays += reader.sight_rays();
+    }
+
+    /// The vertices that the indirect mesh has no answer for.
+    fn orphans(&self) -> impl Iterator<Item = &Vertex> {
+        self.orphans.iter().map(|&i| &self.lit.vertices[i as usize])
     }
 }
 
@@ -302,7 +323,7 @@ fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, 
 
 impl Surface {
     /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(super) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
+    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
         Vertex {
             position: self.position,
             n: self.n,
@@ -315,7 +336,7 @@ impl Surface {
 
     /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
     /// into the surface.
-    pub(super) fn mirrored(&self, direction: Vec3) -> Vec3 {
+    pub(crate) fn mirrored(&self, direction: Vec3) -> Vec3 {
         let d = direction.normalize();
         let about = |n: Vec3| d - n * (2.0 * n.dot(d));
         let mirrored = about(self.n);
@@ -323,7 +344,7 @@ impl Surface {
     }
 
     /// A ray from the surface along `direction`.
-    pub(super) fn leave(&self, direction: Vec3) -> Ray {
+    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
         Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
     }
 }

@@ -2,9 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Field, FillStats};
+use super::direct::Field;
 use crate::geometry::Ray;
-use crate::integrator::{VisibilityScratch, is_back_face, visibility};
+use crate::integrator::{VisibilityScratch, visibility};
 use crate::scene::{Directions, Scene};
 use crate::{Falloff, PaperScale};
 
@@ -14,7 +14,7 @@ pub(super) struct Evaluator<'a> {
     scene: &'a Scene,
     field: Field,
     constant: f32,
-    stats: FillStats,
+    shadow_rays: u64,
     directions: Directions,
     lanes: Vec<u32>,
     rays: Vec<Ray>,
@@ -22,24 +22,13 @@ pub(super) struct Evaluator<'a> {
     shadow: VisibilityScratch,
 }
 
-/// Where a point looks to find out whether it is inside a solid: six directions of a cube turned off the axes, along which
-/// architecture has its edges.
-const PROBES: [Vec3; 6] = [
-    Vec3::new(0.8, 0.36, 0.48),
-    Vec3::new(-0.8, -0.36, -0.48),
-    Vec3::new(-0.6, 0.48, 0.64),
-    Vec3::new(0.6, -0.48, -0.64),
-    Vec3::new(0.0, 0.8, -0.6),
-    Vec3::new(0.0, -0.8, 0.6),
-];
-
 impl<'a> Evaluator<'a> {
     pub(super) fn new(scene: &'a Scene, field: Field, constant: f32) -> Self {
         Self {
             scene,
             field,
             constant,
-            stats: FillStats::default(),
+            shadow_rays: 0,
             directions: Directions::default(),
             lanes: Vec::new(),
             rays: Vec::new(),
@@ -48,43 +37,25 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// The work so far.
-    pub(super) fn stats(&self) -> FillStats {
-        self.stats
+    /// Shadow rays so far.
+    pub(super) fn shadow_rays(&self) -> u64 {
+        self.shadow_rays
     }
 
-    /// The values of the point at `x`, visible and unshadowed light by turns (as many as [`Field::stride`] counts), or
-    /// `None` if it is inside a solid.
-    pub(super) fn evaluate(&mut self, x: Vec3) -> Option<[Vec4; 12]> {
+    /// The values of the point at `x`, visible and unshadowed light by turns: as many as [`Field::stride`] counts.
+    pub(super) fn evaluate(&mut self, x: Vec3) -> [Vec4; 12] {
         match self.field {
             Field::SixAxis { falloff } => {
-                if self.is_inside(x) {
-                    return None;
-                }
                 self.shoot(x, falloff);
-                Some(self.six_axis())
+                self.six_axis()
             }
-            // The paper's mesh knows no geometry: every point counts.
             Field::Scalar { falloff, scale } => {
                 self.shoot(x, falloff);
                 let mut values = [Vec4::ZERO; 12];
                 values[..2].copy_from_slice(&self.scalar(scale));
-                Some(values)
+                values
             }
         }
-    }
-
-    /// Whether most of what the point sees are back faces of one-sided surfaces.
-    fn is_inside(&mut self, x: Vec3) -> bool {
-        let (mut back, mut front) = (0, 0);
-        for direction in PROBES {
-            let ray = Ray::new(x, direction);
-            if let Some(hit) = self.scene.bvh().closest(&ray) {
-                if is_back_face(self.scene, &ray, &hit) { back += 1 } else { front += 1 }
-            }
-        }
-        self.stats.probe_rays += PROBES.len() as u64;
-        back > front && (front == 0 || back >= PROBES.len() / 2)
     }
 
     /// V_i for every light that reaches `x` at all.
@@ -100,7 +71,7 @@ impl<'a> Evaluator<'a> {
             }
         }
         visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible);
-        self.stats.shadow_rays += self.rays.len() as u64;
+        self.shadow_rays += self.rays.len() as u64;
     }
 
     /// For each of ±x ±y ±z: Σ V_i E_i cos / φ, and the same sum without V_i.

@@ -30,7 +30,16 @@ pub(super) struct Lattice {
 impl Lattice {
     /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
     /// through points, and go on `reach` cells beyond on every side.
-    pub(super) fn new(bounds: &Aabb, spacing: f32, reach: u32, max_memory: u64) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// `option` names the spacing in messages.
+    pub(super) fn new(
+        option: &'static str,
+        bounds: &Aabb,
+        spacing: f32,
+        reach: u32,
+        max_memory: u64,
+    ) -> Result<Self, Error> {
         let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
         let cells = inside + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
@@ -41,12 +50,12 @@ impl Lattice {
                 what: "the light mesh's table of bricks",
                 needed_bytes: bytes as u64,
                 limit_bytes: max_memory,
-                advice: "choose a larger --spacing",
+                advice: "choose a larger --spacing or --indirect-spacing",
             });
         }
         if cells.max_element() > MAX_CELLS {
             let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
-            return Err(Error::InvalidOption { option: "spacing", what });
+            return Err(Error::InvalidOption { option, what });
         }
         Ok(Self {
             origin: bounds.min - (reach as f32 - 0.5) * spacing,
@@ -126,7 +135,7 @@ mod tests {
 
     fn lattice() -> Lattice {
         let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(9.0, 4.0, 10.0) };
-        Lattice::new(&bounds, 0.25, 1, 1 << 30).expect("small")
+        Lattice::new("spacing", &bounds, 0.25, 1, 1 << 30).expect("small")
     }
 
     /// The example of the module's documentation, on its own lattice, and back.
@@ -162,10 +171,10 @@ mod tests {
     #[test]
     fn an_absurd_spacing_is_refused_before_anything_is_allocated() {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
-        let error = Lattice::new(&bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
+        let error = Lattice::new("spacing", &bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
         assert!(error.to_string().contains("memory"), "{error}");
         let wire = Aabb { min: Vec3::ZERO, max: Vec3::new(1e6, 1.0, 1.0) };
-        let error = Lattice::new(&wire, 1.0, 1, 4 << 30).expect_err("too long");
+        let error = Lattice::new("spacing", &wire, 1.0, 1, 4 << 30).expect_err("too long");
         assert!(error.to_string().contains("spacing"), "{error}");
     }
 }

@@ -1,6 +1,6 @@
 //! D_y: which mesh points a surface point reads, and with what weight.
 
-use glam::{UVec3, Vec3};
+use glam::{UVec3, Vec3, Vec4};
 
 use super::Coordinate;
 use super::bricks::Slot;
@@ -51,10 +51,33 @@ impl Neighbourhood {
 pub(super) struct Stencil {
     /// The cell's lower corner.
     pub cell: Coordinate,
-    /// Trilinear weights.
-    pub weights: [f32; 8],
+    /// Trilinear weights, four by four.
+    pub weights: ByCorner,
+    /// Heights of the corners above the vertex' tangent plane, in spacings.
+    pub heights: ByCorner,
     /// Which corners are read, a bit each.
     pub read: u8,
+}
+
+/// A number per corner: four with the lower z, four with the upper.
+pub(super) type ByCorner = [Vec4; 2];
+
+impl Stencil {
+    /// The trilinear weight of corner k.
+    #[inline(always)]
+    pub(super) fn weight(&self, k: usize) -> f32 {
+        self.weights[k / 4][k % 4]
+    }
+}
+
+/// The places of the set bits, ascending.
+#[inline(always)]
+pub(super) fn bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
+    std::iter::from_fn(move || {
+        let k = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (k < 8).then_some(k)
+    })
 }
 
 /// Trilinear weights about the vertex; corners behind its surface are left out.
@@ -62,18 +85,17 @@ pub(super) struct Stencil {
 pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
     let h = lattice.spacing();
     let (cell, frac) = lattice.cell(vertex.position + vertex.ng * (NORMAL_OFFSET * h));
-    let height = vertex.ng.dot(lattice.point(cell) - vertex.position);
-    let step = vertex.ng * h;
+    let height = vertex.ng.dot(lattice.point(cell) - vertex.position) / h;
     let rest = Vec3::ONE - frac;
-    let (mut weights, mut read) = ([0.0; 8], 0);
-    for (k, weight) in weights.iter_mut().enumerate() {
-        let (x, y, z) = (k & 1 != 0, k & 2 != 0, k & 4 != 0);
-        let pick = |upper: bool, a: f32, b: f32| if upper { a } else { b };
-        *weight = pick(x, frac.x, rest.x) * pick(y, frac.y, rest.y) * pick(z, frac.z, rest.z);
-        let above = height + pick(x, step.x, 0.0) + pick(y, step.y, 0.0) + pick(z, step.z, 0.0);
-        read |= u8::from(*weight >= MIN_WEIGHT && above > 0.0) << k;
-    }
-    Stencil { cell, weights, read }
+    let along_x = Vec4::new(0.0, vertex.ng.x, 0.0, vertex.ng.x);
+    let along_y = Vec4::new(0.0, 0.0, vertex.ng.y, vertex.ng.y);
+    let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
+    let weights = [flat * rest.z, flat * frac.z];
+    let below = height + along_x + along_y;
+    let heights = [below, below + vertex.ng.z];
+    let read =
+        [0, 1].map(|z| (weights[z].cmpge(Vec4::splat(MIN_WEIGHT)) & heights[z].cmpgt(Vec4::ZERO)).bitmask() as u8);
+    Stencil { cell, weights, heights, read: read[0] | read[1] << 4 }
 }
 
 /// The coordinate of corner k of a cell.

@@ -1,158 +1,240 @@
-//! Reading the mesh: which points a surface point asks for, and formula (3g) over them.
+//! Reading the mesh: which points a surface point asks for, with what weight, and which of them it cannot see.
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{UVec3, Vec3};
 
+use super::Coordinate;
 use super::bricks::Slot;
-use super::neighbourhood::{Neighbourhood, corner, nearest, sphere, trilinear};
-use super::{Coordinate, Field, LightMesh, Marks};
-use crate::integrator::Vertex;
+use super::clearance::{Clearance, Room, links, parted_from_plane, piece, room};
+use super::marks::Marks;
+use super::neighbourhood::{Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
+use super::points::Points;
+use super::probe::sees;
+use crate::geometry::Ray;
+use crate::integrator::{Vertex, hash};
+use crate::scene::Scene;
 
-/// Reads a mesh vertex by vertex. It keeps the slots of the last cell: neighbouring pixels mostly share it.
-#[derive(Clone, Debug)]
+/// Reads points vertex by vertex. It keeps what it knows of the last cell: neighbouring pixels mostly share it.
+#[derive(Debug)]
 pub(crate) struct Reader<'a> {
-    mesh: &'a LightMesh,
+    scene: &'a Scene,
+    points: &'a Points,
     cell: Coordinate,
     slots: [Slot; 8],
-    /// Which of the slots are empty, a bit each, and which of those have been marked.
+    /// Which of the slots are filled and which are empty, a bit each, and which of those have been marked.
+    filled: u8,
     empty: u8,
     marked: u8,
+    room: Room,
+    links: [u8; 8],
+    /// The last set of corners that was wanted, and whether it is in one piece.
+    whole: (u8, bool),
+    sight: Sight,
+    sight_rays: u64,
 }
 
-/// What a vertex finds in the mesh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Reading {
-    /// The fraction of the unshadowed irradiance that arrives, per channel.
-    Visibility(Vec3),
-    /// No point of the neighbourhood can be used, or none knows of any light.
+/// How a vertex finds out which corners it sees, where its cell is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// All that it sees: what a pixel shows is smooth.
+    Every,
+    /// One corner, chosen in proportion to the weights among those it sees: a ray or two. For the many hits of gather rays, of
+    /// which only the sum counts.
+    One,
+}
+
+/// What became of a read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Every point of the neighbourhood that counts was handed out.
+    Read,
+    /// No point of the neighbourhood can be used.
     Nothing,
-    /// Points are missing; they have been marked.
+    /// Points are missing; they have been marked. What was handed out does not count.
     Empty,
 }
 
-/// Sums of visible and unshadowed light along the way.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    visible: Vec4,
-    all: Vec4,
-}
-
-/// The three axes of the ambient cube that a normal faces, by the place of their pair of values, and their weights.
-struct Axes {
-    pairs: [usize; 3],
-    squares: Vec3,
-}
-
-impl Axes {
-    fn facing(n: Vec3) -> Self {
-        let pairs = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
-        Self { pairs: pairs.map(|side| 2 * side), squares: n * n }
-    }
-}
-
 impl<'a> Reader<'a> {
-    pub(super) fn new(mesh: &'a LightMesh) -> Self {
-        Self { mesh, cell: UVec3::MAX, slots: [Slot::Empty; 8], empty: 0, marked: 0 }
+    pub(super) fn new(scene: &'a Scene, points: &'a Points, sight: Sight) -> Self {
+        Self {
+            scene,
+            points,
+            cell: UVec3::MAX,
+            slots: [Slot::Empty; 8],
+            filled: 0,
+            empty: 0,
+            marked: 0,
+            room: Room::default(),
+            links: [0; 8],
+            whole: (0, true),
+            sight,
+            sight_rays: 0,
+        }
     }
 
-    /// Ĩ(y), formula (3g), if every point that the vertex reads has been evaluated. Those that are still empty are marked
-    /// instead: marks are bits that are only ever set, so neither the order nor the thread matters.
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
-        let mesh = self.mesh;
-        let axes = Axes::facing(vertex.n);
-        if mesh.neighbourhood == Neighbourhood::Trilinear {
-            return self.read_cell(vertex, &axes, marks);
+    /// Rays shot so far to find out which points vertices see.
+    pub(crate) fn sight_rays(&self) -> u64 {
+        self.sight_rays
+    }
+
+    /// Hands out (place, index, φ4) of every point of D_y, if all of them have been evaluated; the place is that of the corner in
+    /// the cell, below 8, the same as long as the cell is.
+    /// Those that are still empty are
+    /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
+    #[inline(always)]
+    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(usize, u32, f32)) -> Outcome {
+        let points = self.points;
+        if points.neighbourhood == Neighbourhood::Trilinear {
+            return self.read_cell(vertex, marks, take);
         }
-        let (mut sums, mut empty) = (Sums::default(), false);
+        let (mut any, mut empty) = (false, false);
         let visit = |coordinate: Coordinate| {
-            let slot = mesh.slot(coordinate);
+            let slot = points.slot(coordinate);
             match slot {
-                Slot::Filled(index) => sums.add(mesh, index, &axes, 1.0),
+                Slot::Filled(index) => {
+                    any = true;
+                    take(index as usize % 8, index, 1.0);
+                }
                 Slot::Invalid => {}
                 Slot::Empty => {
-                    mesh.mark(coordinate, marks);
+                    points.mark(coordinate, marks);
                     empty = true;
                 }
             }
             slot
         };
-        match mesh.neighbourhood {
-            Neighbourhood::Sphere { radius } => sphere(&mesh.lattice, vertex, radius, visit),
-            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&mesh.lattice, vertex, visit),
+        match points.neighbourhood {
+            Neighbourhood::Sphere { radius } => sphere(&points.lattice, vertex, radius, visit),
+            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&points.lattice, vertex, visit),
         }
-        if empty { Reading::Empty } else { sums.reading() }
+        match (empty, any) {
+            (true, _) => Outcome::Empty,
+            (false, true) => Outcome::Read,
+            (false, false) => Outcome::Nothing,
+        }
     }
 
     /// [`Self::read`] for the corners of the vertex' cell.
     #[inline]
-    fn read_cell(&mut self, vertex: &Vertex, axes: &Axes, marks: &Marks) -> Reading {
-        let stencil = trilinear(&self.mesh.lattice, vertex);
+    fn read_cell(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(usize, u32, f32)) -> Outcome {
+        let stencil = trilinear(&self.points.lattice, vertex);
         if stencil.cell != self.cell {
             self.enter(stencil.cell);
         }
         let empty = stencil.read & self.empty;
         if empty != 0 {
             for k in bits(empty & !self.marked) {
-                self.mesh.mark(corner(self.cell, k), marks);
+                self.points.mark(corner(self.cell, k), marks);
             }
             self.marked |= empty;
-            return Reading::Empty;
+            return Outcome::Empty;
         }
-        let mut sums = Sums::default();
-        for k in bits(stencil.read) {
+        let usable = stencil.read & self.filled;
+        if usable == 0 {
+            return Outcome::Nothing;
+        }
+        if self.whole.0 != usable {
+            self.whole = (usable, piece(&self.links, usable) == usable);
+        }
+        let parted = parted_from_plane(&self.room, usable, vertex.ng, &stencil.heights);
+        let seen = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
+        for k in bits(seen) {
             if let Slot::Filled(index) = self.slots[k] {
-                sums.add(self.mesh, index, axes, stencil.weights[k]);
+                take(k, index, stencil.weight(k));
             }
         }
-        sums.reading()
+        if seen == 0 { Outcome::Nothing } else { Outcome::Read }
+    }
+
+    /// Those of the usable corners that the vertex sees, or one of them; `parted` from its plane are some.
+    #[cold]
+    fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+        match self.sight {
+            Sight::Every => {
+                let seen = self.look_by_pieces(vertex, stencil, usable, parted);
+                if seen != 0 { seen } else { self.look_at_each(vertex, usable) }
+            }
+            Sight::One => self.look_for_one(vertex, stencil, usable),
+        }
+    }
+
+    /// A ray to the heaviest corner of each piece decides about the piece; corners that are parted from the vertex' plane get
+    /// one each.
+    fn look_by_pieces(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+        let mut seen = self.look_at_each(vertex, parted);
+        let mut rest = usable;
+        while rest != 0 {
+            let piece = piece(&self.links, rest);
+            rest &= !piece;
+            let together = piece & !parted;
+            let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
+            let Some(heaviest) = bits(together).max_by(heavier) else { continue };
+            if piece == usable || self.sees(vertex, heaviest) {
+                seen |= together;
+            }
+        }
+        seen
+    }
+
+    fn look_at_each(&mut self, vertex: &Vertex, corners: u8) -> u8 {
+        bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
+    }
+
+    /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
+    fn look_for_one(&mut self, vertex: &Vertex, stencil: &Stencil, mut corners: u8) -> u8 {
+        let mut seed = seed_of_place(vertex.position);
+        while corners != 0 {
+            let k = choose(bits(corners).map(|k| (k, stencil.weight(k))), seed);
+            if self.sees(vertex, k) {
+                return 1 << k;
+            }
+            corners &= !(1 << k);
+            seed = hash(seed);
+        }
+        0
+    }
+
+    /// Whether nothing stands between the vertex and corner k.
+    fn sees(&mut self, vertex: &Vertex, k: usize) -> bool {
+        self.sight_rays += 1;
+        let point = self.points.lattice.point(corner(self.cell, k));
+        sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
     }
 
     /// Looks up the corners of another cell.
     fn enter(&mut self, cell: Coordinate) {
         self.cell = cell;
-        self.slots = std::array::from_fn(|k| self.mesh.slot(corner(cell, k)));
-        let is_empty = |k: usize| u8::from(self.slots[k] == Slot::Empty) << k;
-        (self.empty, self.marked) = ((0..8).map(is_empty).sum(), 0);
+        self.slots = std::array::from_fn(|k| self.points.slot(corner(cell, k)));
+        let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
+        self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
+        self.empty = mask(|slot| slot == Slot::Empty);
+        self.marked = 0;
+        let clearances = self.slots.map(|slot| match slot {
+            Slot::Filled(index) => self.points.clearance(index),
+            Slot::Empty | Slot::Invalid => Clearance::default(),
+        });
+        self.room = room(&clearances);
+        self.links = links(&clearances);
+        self.whole = (0, true);
     }
 }
 
-/// The places of the set bits, ascending.
-#[inline(always)]
-fn bits(mut mask: u8) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let k = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (k < 8).then_some(k)
-    })
+/// A seed from the bits of a place.
+pub(super) fn seed_of_place(place: Vec3) -> u32 {
+    let [x, y, z] = place.to_array().map(f32::to_bits);
+    hash(hash(hash(x) ^ y) ^ z)
 }
 
-impl Sums {
-    /// Adds what a mesh point knows, weighted by φ4 = `weight` and, with six axes, by the squared components of the normal.
-    #[inline(always)]
-    fn add(&mut self, mesh: &LightMesh, index: u32, axes: &Axes, weight: f32) {
-        let values = mesh.values(index);
-        match mesh.field {
-            Field::SixAxis { .. } => {
-                let [x, y, z] = axes.pairs;
-                let w = axes.squares * weight;
-                self.visible += values[x] * w.x + values[y] * w.y + values[z] * w.z;
-                self.all += values[x + 1] * w.x + values[y + 1] * w.y + values[z + 1] * w.z;
-            }
-            Field::Scalar { .. } => {
-                self.visible += values[0] * weight;
-                self.all += values[1] * weight;
-            }
+/// One of the weighted things, of which there is at least one, in proportion to their weights.
+pub(super) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, seed: u32) -> T {
+    let u = (hash(seed) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    let mut rest = u * weighted.clone().map(|(_, weight)| weight).sum::<f32>();
+    let mut last = None;
+    for (thing, weight) in weighted {
+        last = Some(thing);
+        rest -= weight;
+        if rest < 0.0 {
+            break;
         }
     }
-
-    fn reading(self) -> Reading {
-        let (visible, all) = (self.visible.truncate(), self.all.truncate());
-        let sum = all.element_sum();
-        if sum <= 0.0 {
-            return Reading::Nothing;
-        }
-        // A channel without light takes what the others say.
-        let otherwise = Vec3::splat(visible.element_sum() / sum);
-        let ratio = visible / all.max(Vec3::splat(f32::MIN_POSITIVE));
-        Reading::Visibility(Vec3::select(all.cmpgt(Vec3::ZERO), ratio, otherwise))
-    }
+    last.expect("at least one")
 }

@@ -30,6 +30,8 @@ pub(crate) struct InstanceFrame {
     pub normal_from_object: Mat3,
     /// −1 for a mirroring transform, else 1.
     pub handedness: f32,
+    /// Whether object space is world space.
+    pub is_identity: bool,
 }
 
 impl Scene {
@@ -58,7 +60,11 @@ impl Scene {
             .map(|instance| {
                 let m = Mat3::from(instance.world_from_object.matrix3);
                 let handedness = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-                InstanceFrame { normal_from_object: cofactor(m), handedness }
+                InstanceFrame {
+                    normal_from_object: cofactor(m),
+                    handedness,
+                    is_identity: instance.world_from_object == glam::Affine3A::IDENTITY,
+                }
             })
             .collect();
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
@@ -121,6 +127,14 @@ impl Scene {
     /// Whether all do, so that any hit is a shadow.
     pub(crate) fn all_solid(&self) -> bool {
         self.all_solid
+    }
+
+    pub(crate) fn is_gathered(&self, _hit: &crate::bvh::Hit) -> bool {
+        true
+    }
+
+    pub(crate) fn has_gathered_emitters(&self) -> bool {
+        self.data.materials.iter().any(|m| m.emission != glam::Vec3::ZERO)
     }
 
     pub(crate) fn level(&self) -> Level {

@@ -1,0 +1,134 @@
+//! Surface points that want light, and the direct light that they get: from exact shadow rays or from the direct mesh.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::Vertex;
+use super::direct::Scratch;
+use crate::light_mesh::{DirectField, Marks, Reading, Sight};
+use crate::progress::Reporter;
+use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
+
+/// A list of vertices and their direct irradiance; buffers are kept from use to use.
+#[derive(Debug, Default)]
+pub(crate) struct LitVertices {
+    pub vertices: Vec<Vertex>,
+    /// Direct irradiance of each vertex, lux.
+    pub direct: Vec<Vec3>,
+    /// Vertices that the mesh has not answered yet.
+    waiting: Vec<u32>,
+    scratch: Scratch,
+    shadow_rays: u64,
+    sight_rays: u64,
+    fallbacks: u64,
+}
+
+impl LitVertices {
+    /// A shadow ray to every light sample from every vertex.
+    pub(super) fn shade_exactly(&mut self, scene: &Scene, falloff: Falloff) {
+        self.direct.clear();
+        for vertex in &self.vertices {
+            let (irradiance, rays) = self.scratch.irradiance(scene, falloff, vertex);
+            self.direct.push(irradiance);
+            self.shadow_rays += rays;
+        }
+    }
+
+    /// Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
+    fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
+        let points = self.vertices.iter().map(|v| (v.position, v.n));
+        scene.lights().irradiance(scene.level(), falloff, points, &mut self.direct);
+        self.waiting.clear();
+        let lit = |&i: &u32| self.direct[i as usize] != Vec3::ZERO;
+        self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
+    }
+
+    /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
+    /// waiting.
+    fn shade_by_mesh(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, sight: Sight) {
+        let mut reader = field.reader(scene, sight);
+        let Self { waiting, vertices, direct, scratch, shadow_rays, fallbacks, .. } = self;
+        waiting.retain(|&i| {
+            let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
+            match reader.read(vertex, marks) {
+                Reading::Visibility(visibility) => *irradiance *= visibility,
+                Reading::Nothing => {
+                    let (exact, rays) = scratch.irradiance(scene, falloff, vertex);
+                    *irradiance = exact;
+                    *shadow_rays += rays;
+                    *fallbacks += 1;
+                }
+                Reading::Empty => return true,
+            }
+            false
+        });
+        self.sight_rays += reader.sight_rays();
+    }
+
+    /// Rays since the last call of [`LitVertices::take_counts`].
+    pub(super) fn rays(&self) -> u64 {
+        self.shadow_rays + self.sight_rays
+    }
+
+    /// Moves the counts of rays and fallbacks into the frame's.
+    pub(crate) fn take_counts(&mut self, stats: &mut RenderStats) {
+        stats.rays.shadow += std::mem::take(&mut self.shadow_rays);
+        stats.rays.secondary += std::mem::take(&mut self.sight_rays);
+        stats.exact_fallbacks += std::mem::take(&mut self.fallbacks);
+    }
+}
+
+/// The direct mesh and what lighting by it takes.
+pub(crate) struct DirectLighting<'a, 'b> {
+    pub scene: &'a Scene,
+    pub options: &'a RenderOptions,
+    pub field: &'a mut DirectField,
+    pub marks: &'a mut Marks,
+    pub reporter: &'a Reporter<'b>,
+    pub stats: &'a mut RenderStats,
+}
+
+impl DirectLighting<'_, '_> {
+    /// Direct light at every vertex of the lists, from the mesh, which is filled as far as they ask for it. Rays of the fill
+    /// are added to the frame's; those of the rest stay with the lists.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
+    pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
+        let (scene, falloff) = (self.scene, self.options.falloff);
+        let started = Instant::now();
+        let mut seconds = LightSeconds::default();
+        lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
+        seconds.shade += started.elapsed().as_secs_f64();
+        // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
+        loop {
+            let started = Instant::now();
+            let (field, marks) = (&*self.field, &*self.marks);
+            lists.par_iter_mut().for_each(|list| list.shade_by_mesh(scene, falloff, field, marks, sight));
+            let waiting = lists.iter().any(|list| !list.waiting.is_empty());
+            let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
+            *step += started.elapsed().as_secs_f64();
+            if !waiting {
+                return Ok(seconds);
+            }
+            let started = Instant::now();
+            let rays = self.field.fill(scene, self.marks)?;
+            self.stats.rays += rays;
+            self.reporter.add(0, rays.total());
+            seconds.fill += started.elapsed().as_secs_f64();
+            if self.reporter.cancelled() {
+                return Err(Error::Cancelled);
+            }
+        }
+    }
+}
+
+/// Where the time of [`DirectLighting::light`] went.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LightSeconds {
+    pub demand: f64,
+    pub fill: f64,
+    pub shade: f64,
+}

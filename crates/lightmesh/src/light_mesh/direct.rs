@@ -1,0 +1,240 @@
+//! The direct field: formula (1) at mesh points and formula (3g) over them.
+
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use super::clearance::Clearance;
+use super::evaluate::{Evaluator, papers_constant};
+use super::lattice::Lattice;
+use super::marks::Marks;
+use super::neighbourhood::Neighbourhood;
+use super::points::Points;
+use super::probe::{PROBE_RAYS, probe};
+use super::reader::{Outcome, Reader, Sight};
+use crate::integrator::Vertex;
+use crate::{Error, Falloff, MeshStats, Method, PaperScale, RayCounts, RenderOptions, Scene};
+
+/// What one mesh point keeps: per channel and axis a pair, light that arrives and light that would arrive if nothing were
+/// in the way. Readers sum both over their neighbourhood and divide last, so that a point close to a lamp, which knows most
+/// of the light, weighs most. (Dividing at each point instead costs half the memory; measured on the room of 15 / 100
+/// lights at 1/80 of its length: error 6.0 / 3.5% instead of 5.0 / 2.9%.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Field {
+    /// A pair for each of ±x, ±y, ±z (an ambient cube).
+    SixAxis {
+        /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
+        falloff: Falloff,
+    },
+    /// One pair: DirectLight(x) of formula (1), and what it is scaled by.
+    Scalar {
+        /// φ1.
+        falloff: Falloff,
+        /// How it is scaled.
+        scale: PaperScale,
+    },
+}
+
+impl Field {
+    pub(super) fn of(options: &RenderOptions) -> Self {
+        match options.method {
+            Method::Paper => Self::Scalar { falloff: options.field_falloff, scale: options.paper_scale },
+            Method::Mesh | Method::Standard | Method::Path => Self::SixAxis { falloff: options.falloff },
+        }
+    }
+
+    /// Values per point.
+    fn stride(self) -> usize {
+        match self {
+            Self::SixAxis { .. } => 12,
+            Self::Scalar { .. } => 2,
+        }
+    }
+}
+
+/// Direct light at points of its mesh.
+#[derive(Debug)]
+pub(crate) struct DirectField {
+    points: Points,
+    field: Field,
+    values: Vec<Vec4>,
+    /// The mean unshadowed field, for [`PaperScale::Constant`].
+    constant: f32,
+    max_memory: u64,
+}
+
+/// What a vertex finds in the direct mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reading {
+    /// The fraction of the unshadowed irradiance that arrives, per channel.
+    Visibility(Vec3),
+    /// No point of the neighbourhood can be used, or none knows of any light.
+    Nothing,
+    /// Points are missing; they have been marked.
+    Empty,
+}
+
+impl DirectField {
+    pub(super) fn new(scene: &Scene, lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+        let field = Field::of(options);
+        let constant = papers_constant(scene, field);
+        let points = Points::new(lattice, neighbourhood);
+        Self { points, field, values: Vec::new(), constant, max_memory: options.max_memory }
+    }
+
+    pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
+        self.field == Field::of(options) && self.points.neighbourhood == neighbourhood
+    }
+
+    pub(super) fn marks(&self) -> Marks {
+        self.points.marks()
+    }
+
+    pub(super) fn stats(&self) -> MeshStats {
+        self.points.stats(size_of_val(self.values.as_slice()) as u64)
+    }
+
+    /// A reader for one thread.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> DirectReader<'a> {
+        let folded = [Folded { index: u32::MAX, visible: Vec4::ZERO, all: Vec4::ZERO }; 8];
+        DirectReader { field: self, reader: self.points.reader(scene, sight), n: Vec3::ZERO, folded }
+    }
+
+    /// What a point knows about a surface of normal `n`.
+    #[inline(always)]
+    fn fold(&self, index: u32, n: Vec3) -> Folded {
+        match self.field {
+            Field::SixAxis { .. } => {
+                let values = &self.values[index as usize * 12..][..12];
+                let Axes { sides, squares } = Axes::facing(n);
+                let [x, y, z] = sides.map(|side| 2 * side);
+                let visible = values[x] * squares.x + values[y] * squares.y + values[z] * squares.z;
+                let all = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
+                Folded { index, visible, all }
+            }
+            Field::Scalar { .. } => {
+                let values = &self.values[index as usize * 2..][..2];
+                Folded { index, visible: values[0], all: values[1] }
+            }
+        }
+    }
+
+    /// Evaluates the marked points in parallel, in brick order, and clears the marks.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] before anything is allocated.
+    pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
+        let stride = self.field.stride();
+        let wanted = self.points.take(marks, (stride * size_of::<Vec4>()) as u64, self.max_memory)?;
+
+        // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
+        let (lattice, field, constant) = (&self.points.lattice, self.field, self.constant);
+        let evaluated: Vec<_> = wanted
+            .par_chunks(64)
+            .map(|chunk| {
+                let mut evaluator = Evaluator::new(scene, field, constant);
+                let points: Vec<_> = chunk
+                    .iter()
+                    .map(|&coordinate| {
+                        let x = lattice.point(coordinate);
+                        let clearance = match field {
+                            Field::SixAxis { .. } => probe(scene, x, lattice.spacing()),
+                            // The paper's mesh knows no geometry: every point counts.
+                            Field::Scalar { .. } => Some(Clearance::ALL_FREE),
+                        };
+                        ((coordinate, clearance), clearance.map(|_| evaluator.evaluate(x)))
+                    })
+                    .collect();
+                (points, evaluator.shadow_rays())
+            })
+            .collect();
+
+        // Store, in the order of the list: slots do not depend on the number of threads.
+        let mut rays = RayCounts::default();
+        if matches!(field, Field::SixAxis { .. }) {
+            rays.secondary = PROBE_RAYS * wanted.len() as u64;
+        }
+        for (points, shadow_rays) in evaluated {
+            rays.shadow += shadow_rays;
+            for (probed, values) in points {
+                self.points.insert(probed);
+                self.values.extend_from_slice(&values.unwrap_or_default()[..if values.is_some() { stride } else { 0 }]);
+            }
+        }
+        Ok(rays)
+    }
+}
+
+/// The three axes of the ambient cube that a normal faces, by their side (0 to 5: +x, −x, +y, −y, +z, −z), and their
+/// weights.
+pub(super) struct Axes {
+    pub sides: [usize; 3],
+    pub squares: Vec3,
+}
+
+impl Axes {
+    pub(super) fn facing(n: Vec3) -> Self {
+        let sides = [usize::from(n.x < 0.0), 2 + usize::from(n.y < 0.0), 4 + usize::from(n.z < 0.0)];
+        Self { sides, squares: n * n }
+    }
+}
+
+/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
+/// that normal is kept.
+pub(crate) struct DirectReader<'a> {
+    field: &'a DirectField,
+    reader: Reader<'a>,
+    /// The normal that the corners' light has been summed for.
+    n: Vec3,
+    folded: [Folded; 8],
+}
+
+/// Visible and unshadowed light of a point, summed over the axes that a normal faces.
+#[derive(Clone, Copy, Debug)]
+struct Folded {
+    index: u32,
+    visible: Vec4,
+    all: Vec4,
+}
+
+impl DirectReader<'_> {
+    /// Ĩ(y), formula (3g); points that are still empty are marked.
+    #[inline(always)]
+    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+        let Self { field, reader, n, folded } = self;
+        if *n != vertex.n {
+            *n = vertex.n;
+            folded.iter_mut().for_each(|corner| corner.index = u32::MAX);
+        }
+        let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
+        let outcome = reader.read(vertex, marks, |place, index, weight| {
+            let corner = &mut folded[place];
+            if corner.index != index {
+                *corner = field.fold(index, vertex.n);
+            }
+            visible += corner.visible * weight;
+            all += corner.all * weight;
+        });
+        match outcome {
+            Outcome::Read => ratio(visible.truncate(), all.truncate()),
+            Outcome::Nothing => Reading::Nothing,
+            Outcome::Empty => Reading::Empty,
+        }
+    }
+
+    /// Rays shot so far to find out which points vertices see.
+    pub(crate) fn sight_rays(&self) -> u64 {
+        self.reader.sight_rays()
+    }
+}
+
+/// The part of the light that arrives.
+fn ratio(visible: Vec3, all: Vec3) -> Reading {
+    let sum = all.element_sum();
+    if sum <= 0.0 {
+        return Reading::Nothing;
+    }
+    // A channel without light takes what the others say.
+    let otherwise = Vec3::splat(visible.element_sum() / sum);
+    let ratio = visible / all.max(Vec3::splat(f32::MIN_POSITIVE));
+    Reading::Visibility(Vec3::select(all.cmpgt(Vec3::ZERO), ratio, otherwise))
+}

@@ -1,0 +1,97 @@
+//! Indirect light at surfaces that no mesh point can be read from: gather rays from the surface itself.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::gather::Gather;
+use super::indirect::{IndirectField, IndirectReading};
+use super::marks::Marks;
+use super::reader::Sight;
+use crate::Error;
+use crate::integrator::{DirectLighting, Vertex};
+
+/// Rays per surface point: each of them is as good as a path, but pixels have several samples.
+const RAYS: u32 = 64;
+
+/// Surface points whose rays are alive at a time.
+const AT_ONCE: usize = 1024;
+
+impl IndirectField {
+    /// The indirect irradiance at each of the vertices after so many `bounces`: formula (4) over their own hemispheres, with
+    /// the mesh read where the rays end.
+    ///
+    /// # Errors
+    /// As [`IndirectField::fill`].
+    pub(crate) fn gather_at(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        marks: &mut Marks,
+        vertices: &[Vertex],
+        bounces: u32,
+    ) -> Result<Vec<Vec3>, Error> {
+        let mut irradiance = Vec::with_capacity(vertices.len());
+        let mut gathers: Vec<Gather> = Vec::new();
+        for chunk in vertices.chunks(AT_ONCE) {
+            gathers.resize_with(gathers.len().max(chunk.len()), Gather::default);
+            let batch = &mut gathers[..chunk.len()];
+            let (scene, options) = (direct.scene, direct.options);
+            batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
+                gather.hemisphere(scene, options, vertex, RAYS);
+                if bounces == 0 {
+                    gather.lit.vertices.clear();
+                }
+            });
+            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
+            let seconds = direct.light(Sight::One, &mut lists)?;
+            direct.stats.seconds.fill_direct += seconds.fill;
+            irradiance.extend(self.sum(direct, marks, batch, bounces)?);
+            for gather in batch {
+                gather.lit.take_counts(direct.stats);
+                direct.stats.rays.gather += std::mem::take(&mut gather.rays);
+            }
+            if direct.reporter.cancelled() {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(irradiance)
+    }
+
+    /// The irradiance of each gather's surface. Where a hit cannot read the mesh in its turn, it reflects direct light alone.
+    fn sum(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        marks: &mut Marks,
+        batch: &[Gather],
+        bounces: u32,
+    ) -> Result<Vec<Vec3>, Error> {
+        loop {
+            let field = &*self;
+            let sums: Vec<(Option<Vec3>, u64)> = batch
+                .par_iter()
+                .map(|gather| {
+                    let mut reader = field.reader(direct.scene, bounces.saturating_sub(1), Sight::One);
+                    let lobe = |ray: u32| gather.lobes[ray as usize].x;
+                    let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
+                    let mut complete = true;
+                    for (vertex, &direct) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
+                        let indirect = match reader.read(vertex, marks) {
+                            IndirectReading::Irradiance(irradiance) => irradiance,
+                            IndirectReading::Nothing => Vec3::ZERO,
+                            IndirectReading::Empty => {
+                                complete = false;
+                                continue;
+                            }
+                        };
+                        sum += vertex.weight * (direct + indirect) * lobe(vertex.pixel);
+                    }
+                    (complete.then_some(sum), reader.sight_rays())
+                })
+                .collect();
+            direct.stats.rays.secondary += sums.iter().map(|s| s.1).sum::<u64>();
+            if let Some(sums) = sums.iter().map(|s| s.0).collect() {
+                return Ok(sums);
+            }
+            self.fill(direct, marks)?;
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The indirect field: formula (4) at the points of its own, coarser mesh, bounce by bounce, and formula (6) over them.
+//!
+//! Level k is the light that arrives after k diffuse reflections or fewer, direct light and light that is sampled from lamps
+//! left out: T_0 is the emission that gather rays find, and
+//!
+//! > T_k(x) = gather(Le + a/π (E + T_{k−1})), k = 1 … N,
+//!
+//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. A point's levels depend on the whole level
+//! below, never on the order in which points were asked for; all of them are kept, so that points that are asked for later
+//! can be computed from those that are there.
+
+use glam::{Vec3, Vec4};
+
+use super::direct::Axes;
+use super::lattice::Lattice;
+use super::marks::Marks;
+use super::neighbourhood::Neighbourhood;
+use super::points::Points;
+use super::reader::{Outcome, Reader, Sight};
+use crate::integrator::Vertex;
+use crate::{MeshStats, Method, RenderOptions, Scene};
+
+/// Indirect light at points of its mesh.
+#[derive(Debug)]
+pub(crate) struct IndirectField {
+    pub(super) points: Points,
+    pub(super) sides: Sides,
+    pub(super) gather_rays: u32,
+    pub(super) seed: u64,
+    /// T_k by level, [`Sides::count`] values a point.
+    pub(super) levels: Vec<Vec<Vec4>>,
+    /// Sum and number of the direct irradiances at gather hits (mean over channels).
+    pub(super) hit_irradiance: (f64, u64),
+    pub(super) max_memory: u64,
+}
+
+/// What a point keeps of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sides {
+    /// Irradiance on planes that face ±x, ±y, ±z.
+    Six,
+    /// The paper's IndirectLight(x) = ∫ L dω: a quarter of it is the irradiance on any plane, were the light even.
+    One,
+}
+
+impl Sides {
+    fn of(options: &RenderOptions) -> Self {
+        if options.method == Method::Paper { Self::One } else { Self::Six }
+    }
+
+    /// Values per point and level.
+    pub(super) fn count(self) -> usize {
+        match self {
+            Self::Six => 6,
+            Self::One => 1,
+        }
+    }
+}
+
+/// What a vertex finds in the indirect mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum IndirectReading {
+    /// Irradiance, lux.
+    Irradiance(Vec3),
+    /// No point of the neighbourhood can be used.
+    Nothing,
+    /// Points are missing; they have been marked.
+    Empty,
+}
+
+impl IndirectField {
+    pub(super) fn new(lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+        Self {
+            points: Points::new(lattice, neighbourhood),
+            sides: Sides::of(options),
+            gather_rays: options.gather_rays,
+            seed: options.seed,
+            levels: vec![Vec::new(); options.bounces as usize + 1],
+            hit_irradiance: (0.0, 0),
+            max_memory: options.max_memory,
+        }
+    }
+
+    pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
+        self.sides == Sides::of(options)
+            && self.points.neighbourhood == neighbourhood
+            && (self.gather_rays, self.seed) == (options.gather_rays, options.seed)
+            && (options.bounces as usize) < self.levels.len()
+    }
+
+    /// Where its points are.
+    pub(crate) fn points(&self) -> &Points {
+        &self.points
+    }
+
+    pub(super) fn stats(&self) -> MeshStats {
+        let values: usize = self.levels.iter().map(|level| size_of_val(level.as_slice())).sum();
+        self.points.stats(values as u64)
+    }
+
+    /// T_level of a point as irradiance on a plane whose normal the axes describe.
+    #[inline(always)]
+    pub(super) fn irradiance(&self, level: &[Vec4], index: u32, axes: &Axes) -> Vec4 {
+        match self.sides {
+            Sides::Six => {
+                let values = &level[index as usize * 6..][..6];
+                let [x, y, z] = axes.sides;
+                values[x] * axes.squares.x + values[y] * axes.squares.y + values[z] * axes.squares.z
+            }
+            Sides::One => level[index as usize] * 0.25,
+        }
+    }
+
+    /// A reader for one thread of what `bounces` reflections bring.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: Sight) -> IndirectReader<'a> {
+        let reader = self.points.reader(scene, sight);
+        let level = &self.levels[bounces as usize];
+        IndirectReader { field: self, level, reader, n: Vec3::ZERO, folded: [(u32::MAX, Vec4::ZERO); 8] }
+    }
+
+    /// An estimate of what bounces after the last one would add, as a part of all light that arrives: the last bounces' ratio
+    /// goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
+    pub(crate) fn left_out(&self, bounces: u32) -> Option<f64> {
+        let mean = |level: usize| {
+            let values = &self.levels[level];
+            let sum: f64 = values.iter().map(|v| f64::from(v.truncate().element_sum())).sum();
+            sum / 3.0 / values.len().max(1) as f64 / if self.sides == Sides::One { 4.0 } else { 1.0 }
+        };
+        let n = bounces as usize;
+        let direct = self.hit_irradiance.0 / self.hit_irradiance.1.max(1) as f64;
+        let total = direct + mean(n);
+        if n == 0 || total <= 0.0 {
+            return Some(0.0);
+        }
+        let last = mean(n) - mean(n - 1);
+        let before = if n == 1 { direct + mean(0) } else { mean(n - 1) - mean(n - 2) };
+        let ratio = last / before;
+        if last <= 0.0 { Some(0.0) } else { (ratio < 1.0).then(|| last * ratio / (1.0 - ratio) / total) }
+    }
+}
+
+/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
+/// that normal is kept.
+pub(crate) struct IndirectReader<'a> {
+    field: &'a IndirectField,
+    level: &'a [Vec4],
+    reader: Reader<'a>,
+    /// The normal that the corners' light has been summed for.
+    n: Vec3,
+    /// By corner: the point, and its irradiance.
+    folded: [(u32, Vec4); 8],
+}
+
+impl IndirectReader<'_> {
+    /// Ĩ_d(y), formula (6); points that are still empty are marked.
+    #[inline(always)]
+    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+        let Self { field, level, reader, n, folded } = self;
+        if *n != vertex.n {
+            *n = vertex.n;
+            folded.iter_mut().for_each(|corner| corner.0 = u32::MAX);
+        }
+        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+        let outcome = reader.read(vertex, marks, |place, index, weight| {
+            let corner = &mut folded[place];
+            if corner.0 != index {
+                *corner = (index, field.irradiance(level, index, &Axes::facing(vertex.n)));
+            }
+            sum += corner.1 * weight;
+            weights += weight;
+        });
+        match outcome {
+            Outcome::Read => IndirectReading::Irradiance(sum.truncate() / weights),
+            Outcome::Nothing => IndirectReading::Nothing,
+            Outcome::Empty => IndirectReading::Empty,
+        }
+    }
+
+    /// Rays shot so far to find out which points vertices see.
+    pub(crate) fn sight_rays(&self) -> u64 {
+        self.reader.sight_rays()
+    }
+}
