@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::Context;
-use lightmesh::{Camera, LightMesh, Scene, SceneData, headlight};
+use lightmesh::{Camera, LightMesh, Scene, SceneData, soft_environment};
 use lightmesh_io::output::{Metadata, Precision, auto_exposure};
 
 use crate::{
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let load = start.elapsed();
     loaded.warnings.iter().for_each(|w| warn(w));
 
-    // Build it; a scene without light needs its camera's, and the camera may need the scene's box.
+    // Build it.
     let build_start = Instant::now();
     bar.spin("building");
     let built = build(loaded.data, args.camera.as_deref());
@@ -144,19 +144,13 @@ struct Built {
     warnings: Vec<String>,
 }
 
-/// Chooses the camera, lights the scene from there if nothing else does, and builds it.
+/// Chooses the camera, lights the scene if nothing does, and builds it.
 fn build(mut data: SceneData, wanted: Option<&str>) -> Result<Built, Failure> {
     let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
     let mut warnings: Vec<String> = warning.into_iter().collect();
-    if data.lights.is_empty() && emits(&data) {
-        warnings.push(
-            "the file has emissive materials and no lights: emission is seen, but only --method path lights by it"
-                .to_owned(),
-        );
-    } else if data.lights.is_empty() {
-        warnings.push("the file has no lights and nothing emits: lighting it from the camera".to_owned());
-        let light = headlight(&camera, &data.bounds());
-        data.lights.push(light);
+    if data.lights.is_empty() && data.environment.is_none() && !emits(&data) {
+        warnings.push("the file has no lights and nothing emits: lighting it by a soft environment".to_owned());
+        data.environment = Some(soft_environment());
     }
     Ok(Built { scene: Scene::new(data)?, camera, warnings })
 }

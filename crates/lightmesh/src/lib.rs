@@ -63,5 +63,5 @@ pub use progress::{Progress, Stage};
 pub use render::{Frame, render};
 pub use scene::{
     AlphaMode, Camera, EmitterOptions, Environment, FilmRays, Filter, ImageData, Instance, Light, Material, Projection,
-    Scene, SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, headlight,
+    Scene, SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, soft_environment,
 };

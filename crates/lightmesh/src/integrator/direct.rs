@@ -6,7 +6,7 @@ use super::Vertex;
 use super::visibility::{VisibilityScratch, visibility};
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::scene::{Directions, Scene};
+use crate::scene::{Directions, LightSamples, Scene};
 
 /// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
 #[derive(Debug, Default)]
@@ -20,9 +20,14 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// Σ_i V_i φ2 E_i / φ3: formula (2) with exact visibility, lux per channel; also how many shadow rays it took.
-    pub(crate) fn irradiance(&mut self, scene: &Scene, falloff: Falloff, vertex: &Vertex) -> (Vec3, u64) {
-        let lights = scene.lights();
+    /// Σ_i V_i φ2 E_i / φ3 over `lights`: formula (2) with exact visibility, lux per channel; also how many shadow rays it took.
+    pub(crate) fn irradiance(
+        &mut self,
+        scene: &Scene,
+        lights: &LightSamples,
+        falloff: Falloff,
+        vertex: &Vertex,
+    ) -> (Vec3, u64) {
         lights.directions(scene.level(), falloff, vertex.position, &mut self.directions);
 
         // Only lights in front of the surface, in their cone and range, are worth a ray.

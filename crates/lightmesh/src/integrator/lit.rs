@@ -30,7 +30,7 @@ impl LitVertices {
     pub(super) fn shade_exactly(&mut self, scene: &Scene, falloff: Falloff) {
         self.direct.clear();
         for vertex in &self.vertices {
-            let (irradiance, rays) = self.scratch.irradiance(scene, falloff, vertex);
+            let (irradiance, rays) = self.scratch.irradiance(scene, scene.emitters().all(), falloff, vertex);
             self.direct.push(irradiance);
             self.shadow_rays += rays;
         }
@@ -55,7 +55,7 @@ impl LitVertices {
             match reader.read(vertex, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
                 Reading::Nothing => {
-                    let (exact, rays) = scratch.irradiance(scene, falloff, vertex);
+                    let (exact, rays) = scratch.irradiance(scene, scene.lights(), falloff, vertex);
                     *irradiance = exact;
                     *shadow_rays += rays;
                     *fallbacks += 1;

@@ -3,6 +3,7 @@
 //! The reflection model is documented at [`Material`](crate::Material).
 
 mod direct;
+mod lamps;
 mod lit;
 mod path;
 mod place;

@@ -1,12 +1,15 @@
-//! Unidirectional path tracing with next-event estimation over all lights: slow, unbiased, the truth.
+//! Unidirectional path tracing with next-event estimation over all lights and multiple importance sampling of those that have a
+//! size (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapter 9): slow, unbiased, the truth.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::direct::Scratch;
-use super::sampling::{Sampler, basis, sample_cosine_hemisphere};
-use super::surface::{Surface, evaluate};
+use super::lamps::{LampSampler, power_heuristic};
+use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
+use super::surface::{Surface, Vertex, evaluate};
 use super::wave::MAX_LAYERS;
+use crate::bvh::Hit;
 use crate::film::Film;
 use crate::geometry::Ray;
 use crate::progress::Reporter;
@@ -37,7 +40,13 @@ pub(crate) fn render_path(
         let blocks: Vec<(Vec<(u32, Vec3)>, RayCounts)> = (0..(end - first).div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
-                let mut tracer = PathTracer { scene, options, scratch: Scratch::default(), rays: RayCounts::default() };
+                let mut tracer = PathTracer {
+                    scene,
+                    options,
+                    scratch: Scratch::default(),
+                    lamps: LampSampler::default(),
+                    rays: RayCounts::default(),
+                };
                 let begin = first + block * BLOCK;
                 let radiance = camera
                     .samples(begin..(begin + BLOCK).min(end))
@@ -68,7 +77,22 @@ struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: Scratch,
+    lamps: LampSampler,
     rays: RayCounts,
+}
+
+/// How the ray at hand came about: what the emission that it meets counts.
+#[derive(Clone, Copy, Debug)]
+enum Arrival {
+    /// From the camera, by mirrors and glass alone: everything that shines is seen, unlit surfaces too.
+    Seen,
+    /// By a mirror from a diffuse surface: no light sample leads here.
+    Mirrored,
+    /// From a diffuse surface in a direction of this density (per steradian), through nothing: half of an estimate, the other half
+    /// is a light sample.
+    Bounced { pdf: f32 },
+    /// From a diffuse surface through glass or layers, where shadow rays go as well: they count it.
+    Passed,
 }
 
 impl PathTracer<'_> {
@@ -76,8 +100,12 @@ impl PathTracer<'_> {
     fn li(&mut self, mut ray: Ray, sampler: &mut Sampler) -> Vec3 {
         let (mut li, mut beta) = (Vec3::ZERO, Vec3::ONE);
         let (mut bounces, mut depth, mut layers) = (0, 0, 0);
+        let mut arrival = Arrival::Seen;
         self.rays.primary += 1;
-        while let Some(hit) = self.scene.bvh().closest(&ray) {
+        loop {
+            let Some(hit) = self.scene.bvh().closest(&ray) else {
+                return li + beta * self.sky(&ray, arrival);
+            };
             let surface = evaluate(self.scene, &ray, &hit);
 
             // A surface that covers a part stops that part of the paths.
@@ -88,21 +116,26 @@ impl PathTracer<'_> {
                 }
                 ray.t_min = hit.t;
                 self.rays.secondary += 1;
+                if let Arrival::Bounced { .. } = arrival {
+                    arrival = Arrival::Passed;
+                }
                 continue;
             }
             layers = 0;
 
-            // Emission and every light, at every vertex.
-            li += beta * surface.emission;
+            li += beta * self.emission(&ray, &hit, &surface, arrival);
+            // The last bounce only looks for lamps.
+            if bounces > self.options.bounces {
+                break;
+            }
             if surface.diffuse != Vec3::ZERO {
                 let vertex = surface.vertex(beta, 0);
-                let (irradiance, shadow) = self.scratch.irradiance(self.scene, self.options.falloff, &vertex);
-                li += vertex.weight * irradiance;
-                self.rays.shadow += shadow;
+                li += vertex.weight * self.direct(&vertex, sampler);
             }
 
             // Choose how to go on, in proportion to what each way may carry.
-            let diffuse = if bounces < self.options.bounces { surface.diffuse } else { Vec3::ZERO };
+            let ends = bounces == self.options.bounces && !self.lamps.can_be_hit(self.scene);
+            let diffuse = if ends { Vec3::ZERO } else { surface.diffuse };
             let specular = if depth < self.options.depth { 1.0 } else { 0.0 };
             let ways = [diffuse, surface.mirror * specular, surface.refraction * specular];
             let total: f32 = ways.iter().map(|w| w.max_element()).sum();
@@ -117,12 +150,19 @@ impl PathTracer<'_> {
             if way == 0 {
                 bounces += 1;
                 depth = 0;
-                ray = self.bounce(&surface, sampler);
+                let pdf;
+                (ray, pdf) = self.bounce(&surface, sampler);
+                arrival = Arrival::Bounced { pdf };
                 self.rays.gather += 1;
             } else {
                 depth += 1;
                 let direction = if way == 1 { surface.mirrored(ray.direction) } else { surface.refracted };
                 ray = surface.leave(direction);
+                arrival = match (arrival, way) {
+                    (Arrival::Seen, _) => Arrival::Seen,
+                    (_, 1) => Arrival::Mirrored,
+                    _ => Arrival::Passed,
+                };
                 self.rays.secondary += 1;
             }
 
@@ -138,10 +178,60 @@ impl PathTracer<'_> {
         li
     }
 
-    /// A cosine-distributed direction about the shading normal: its pdf cancels Lambert's cosine / π.
-    fn bounce(&self, surface: &Surface, sampler: &mut Sampler) -> Ray {
+    /// A cosine-distributed direction about the shading normal: its pdf, cosθ / π, cancels Lambert's cosine / π.
+    fn bounce(&self, surface: &Surface, sampler: &mut Sampler) -> (Ray, f32) {
         let (t, b) = basis(surface.n);
         let local = sample_cosine_hemisphere(sampler.next_pair());
-        surface.leave(t * local.x + b * local.y + surface.n * local.z)
+        let ray = surface.leave(t * local.x + b * local.y + surface.n * local.z);
+        (ray, pdf_cosine_hemisphere(local.z))
+    }
+
+    /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their
+    /// share of the estimate.
+    fn direct(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+        let (scene, falloff) = (self.scene, self.options.falloff);
+        let mut sum = Vec3::ZERO;
+        if scene.emitters().light_radius > 0.0 {
+            sum += self.lamps.balls(scene, falloff, vertex, sampler);
+        } else {
+            let (irradiance, rays) = self.scratch.irradiance(scene, &scene.emitters().punctual, falloff, vertex);
+            self.rays.shadow += rays;
+            sum += irradiance;
+        }
+        sum += self.lamps.area(scene, falloff, vertex, sampler);
+        sum += self.lamps.environment(scene, vertex, sampler);
+        self.rays.shadow += self.lamps.take_rays();
+        sum
+    }
+
+    /// What the emission of a surface counts.
+    fn emission(&self, ray: &Ray, hit: &Hit, surface: &Surface, arrival: Arrival) -> Vec3 {
+        let area = &self.scene.emitters().area;
+        let light = || area.pdf(self.scene.data(), hit.target);
+        match arrival {
+            Arrival::Seen => surface.emission,
+            Arrival::Mirrored => surface.lights,
+            Arrival::Bounced { pdf } if surface.lights != Vec3::ZERO => {
+                let d = surface.position - ray.origin;
+                let cos = surface.ng.dot(ray.direction).abs();
+                let light = light() * d.length_squared() / cos.max(1e-6);
+                surface.lights * power_heuristic(pdf, light)
+            }
+            // User-defined shapes cannot be sampled.
+            Arrival::Passed if light() == 0.0 => surface.lights,
+            Arrival::Bounced { .. } | Arrival::Passed => Vec3::ZERO,
+        }
+    }
+
+    /// What the environment counts.
+    fn sky(&self, ray: &Ray, arrival: Arrival) -> Vec3 {
+        let Some(environment) = &self.scene.emitters().environment else { return Vec3::ZERO };
+        let direction = ray.direction.normalize();
+        let share = match arrival {
+            Arrival::Seen | Arrival::Mirrored => 1.0,
+            Arrival::Bounced { pdf } => power_heuristic(pdf, environment.pdf(direction)),
+            Arrival::Passed => return Vec3::ZERO,
+        };
+        environment.radiance(direction) * share
     }
 }

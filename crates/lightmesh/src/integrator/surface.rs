@@ -6,6 +6,7 @@ use super::place::{Place, locate};
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Ray, offset_origin};
+use crate::scene::emitters::emission_of;
 use crate::scene::{Decode, Material, Scene, TextureRef};
 
 /// A surface point that wants light: what a tracer needs to know of it.
@@ -41,8 +42,10 @@ pub(crate) struct Surface {
     pub extent: f32,
     /// The fraction of the ray that meets the surface; the rest goes on.
     pub coverage: f32,
-    /// Emitted radiance towards the viewer, cd/m².
+    /// Radiance that is shown towards the viewer, cd/m²: emission, or the colour of an unlit surface.
     pub emission: Vec3,
+    /// The part of it that lights other surfaces: not that of unlit ones.
+    pub lights: Vec3,
     /// Lambertian albedo.
     pub diffuse: Vec3,
     /// Weight of the mirror direction.
@@ -68,8 +71,10 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     if material.unlit {
         return Surface { emission: base, ..plain(place, n, coverage) };
     }
-    let emission = material.emission * color_texture(scene, material.emission_texture, place);
-    let lambert = Surface { emission, diffuse: base, ..plain(place, n, coverage) };
+    // glTF: the back of a single-sided surface is not there; ours shades, but does not shine.
+    let shines = place.front || material.double_sided;
+    let emission = if shines { emission_of(scene.data(), material, place.uvs) } else { Vec3::ZERO };
+    let lambert = Surface { emission, lights: emission, diffuse: base, ..plain(place, n, coverage) };
     if material.is_lambert() {
         return lambert;
     }
@@ -145,6 +150,7 @@ fn plain(place: &Place, n: Vec3, coverage: f32) -> Surface {
         extent: place.extent,
         coverage,
         emission: Vec3::ZERO,
+        lights: Vec3::ZERO,
         diffuse: Vec3::ZERO,
         mirror: Vec3::ZERO,
         refraction: Vec3::ZERO,

@@ -251,7 +251,13 @@ impl Block {
         self.emitted.clear();
         self.next.clear();
         for (from, hit) in self.input.iter().zip(&self.hits) {
-            let Some(hit) = hit else { continue };
+            let Some(hit) = hit else {
+                let sky = scene.environment(from.ray.direction.normalize());
+                if sky != Vec3::ZERO {
+                    self.emitted.push((from.pixel, from.beta * sky));
+                }
+                continue;
+            };
             let surface = evaluate(scene, &from.ray, hit);
             let beta = from.beta * surface.coverage;
             if surface.emission != Vec3::ZERO {

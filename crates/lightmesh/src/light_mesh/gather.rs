@@ -135,8 +135,8 @@ impl Gather {
                 ray.t_min = hit.t;
             } else {
                 layers = 0;
-                if surface.emission != Vec3::ZERO && scene.is_gathered(&hit) {
-                    self.emitted.push((number, beta * surface.emission));
+                if surface.lights != Vec3::ZERO && scene.is_gathered(hit.target) {
+                    self.emitted.push((number, beta * surface.lights));
                 }
                 let specular = if depth < options.depth { 1.0 } else { 0.0 };
                 let ways = [surface.diffuse, surface.mirror * specular, surface.refraction * specular];

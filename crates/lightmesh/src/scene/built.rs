@@ -1,11 +1,12 @@
 //! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
 
 use fearless_simd::Level;
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 
+use super::emitters::Emitters;
 use super::{AlphaMode, EmitterOptions, LightSamples, Material, SceneData, validate};
 use crate::Error;
-use crate::bvh::SceneBvh;
+use crate::bvh::{SceneBvh, Target};
 use crate::geometry::Aabb;
 
 /// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
@@ -15,7 +16,7 @@ pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
     frames: Vec<InstanceFrame>,
-    lights: LightSamples,
+    emitters: Emitters,
     solid: Vec<bool>,
     all_solid: bool,
     warnings: Vec<String>,
@@ -47,7 +48,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::new`], and [`Error::InvalidOption`] for options out of range.
-    pub fn with_emitters(mut data: SceneData, _emitters: &EmitterOptions) -> Result<Self, Error> {
+    pub fn with_emitters(mut data: SceneData, emitters: &EmitterOptions) -> Result<Self, Error> {
         let mut warnings = validate::check(&mut data)?;
         warnings.extend(glossy_warning(&data.materials));
         let bvh = SceneBvh::build(&data);
@@ -68,17 +69,9 @@ impl Scene {
             })
             .collect();
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
+        let emitters = Emitters::new(&data, &bvh.bounds(), emitters)?;
         let level = Level::new();
-        Ok(Self {
-            lights: LightSamples::from_lights(&data.lights),
-            all_solid: solid.iter().all(|&s| s),
-            data,
-            bvh,
-            frames,
-            solid,
-            warnings,
-            level,
-        })
+        Ok(Self { emitters, all_solid: solid.iter().all(|&s| s), data, bvh, frames, solid, warnings, level })
     }
 
     /// The description it was built from, mended where [`Scene::warnings`] says so.
@@ -108,11 +101,22 @@ impl Scene {
 
     /// How many light samples stand for all emitters.
     pub fn light_sample_count(&self) -> u64 {
-        self.lights.len() as u64
+        self.emitters.all().len() as u64
     }
 
+    /// Everything that shines and has a size.
+    pub(crate) fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    /// The samples of all emitters but those that gather rays find.
     pub(crate) fn lights(&self) -> &LightSamples {
-        &self.lights
+        &self.emitters.sampled
+    }
+
+    /// What a ray sees that leaves the scene along a unit direction, cd/m².
+    pub(crate) fn environment(&self, direction: Vec3) -> Vec3 {
+        self.emitters.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(direction))
     }
 
     pub(crate) fn frame(&self, instance: u32) -> &InstanceFrame {
@@ -129,12 +133,15 @@ impl Scene {
         self.all_solid
     }
 
-    pub(crate) fn is_gathered(&self, _hit: &crate::bvh::Hit) -> bool {
-        true
+    /// Whether a surface's emission is found by gather rays alone.
+    pub(crate) fn is_gathered(&self, target: Target) -> bool {
+        !self.emitters.area.is_sampled(target)
     }
 
+    /// Whether there is any such surface.
     pub(crate) fn has_gathered_emitters(&self) -> bool {
-        self.data.materials.iter().any(|m| m.emission != glam::Vec3::ZERO)
+        let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
+        self.emitters.area.has_gathered() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }
 
     pub(crate) fn level(&self) -> Level {

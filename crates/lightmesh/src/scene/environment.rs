@@ -2,7 +2,8 @@
 
 use glam::{Quat, Vec3};
 
-use super::ImageData;
+use super::{ImageData, Texels};
+use crate::Error;
 
 /// An environment: what rays see that leave the scene.
 #[derive(Clone, Debug)]
@@ -30,4 +31,41 @@ impl Default for EmitterOptions {
     fn default() -> Self {
         Self { light_samples: 64, light_radius: 0.0 }
     }
+}
+
+impl EmitterOptions {
+    /// Checks every field against its range.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] names the first field outside its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let bad = |option, what: String| Err(Error::InvalidOption { option, what });
+        if self.light_samples == 0 || self.light_samples > 1 << 16 {
+            return bad("light-samples", format!("must be between 1 and 65536, not {}", self.light_samples));
+        }
+        if !(self.light_radius >= 0.0 && self.light_radius.is_finite()) {
+            return bad("light-radius", format!("must be 0 metres or more, not {}", self.light_radius));
+        }
+        Ok(())
+    }
+}
+
+/// A soft white sky for scenes that say nothing of light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a
+/// white surface that faces it gets the luminance of a lit room, 100 cd/m² on average.
+pub fn soft_environment() -> Environment {
+    const ROWS: u32 = 32;
+    // Linear in the height, cos θ, of a direction: its mean over the sphere is that of the horizon.
+    let row = |v: u32| {
+        let height = libm::cosf(std::f32::consts::PI * (v as f32 + 0.5) / ROWS as f32);
+        let c = 1.0 + 0.5 * height;
+        [c, c, c, 1.0]
+    };
+    let texels: Vec<[f32; 4]> = (0..ROWS).map(row).collect();
+    let map = ImageData {
+        name: "soft environment".to_owned(),
+        width: 1,
+        height: ROWS,
+        texels: Texels::Rgba32F(texels.into()),
+    };
+    Environment { map: Some(map), radiance: Vec3::splat(100.0), world_from_map: Quat::IDENTITY }
 }

@@ -10,6 +10,10 @@
 //! | spot | the same × (clamp((cosθ − cos outer) / (cos inner − cos outer)))² |
 //! | with a range R | the same × clamp(1 − (r / R)⁴) |
 //! | directional | 1, d the unit vector towards the light |
+//! | patch of area A that faces a, φ = r² | cosθ_a / (r (r² + A / π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
+//! | patch, φ = Const + r | cosθ_a / ((Const + r) r) |
+//!
+//! A/π keeps a patch finite on surfaces close to it: on the axis of a disk of area A, I / (r² + A / π) is exact.
 //!
 //! Lanes do the same additions in the same order at every SIMD level, so the sums are the same bit for bit.
 
@@ -18,6 +22,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x16};
 use glam::Vec3;
 
 use super::Light;
+use super::emitters::{LightSample, Patch};
 use crate::Falloff;
 use crate::geometry::Ray;
 
@@ -60,11 +65,26 @@ struct Extra {
     inv_range2: [f32; LANES],
 }
 
+/// What patches of area lights add to their block.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+struct Facing {
+    /// The normal of the side that shines.
+    ax: [f32; LANES],
+    ay: [f32; LANES],
+    az: [f32; LANES],
+    /// 0, or −1 for a patch that shines from both sides.
+    back: [f32; LANES],
+    /// A / π, square metres.
+    spread: [f32; LANES],
+}
+
 /// The light samples of a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct LightSamples {
-    /// Blocks of plain point lights first, then those that have an [`Extra`].
+    /// Blocks of plain point lights first, then patches, then those that have an [`Extra`].
     blocks: Vec<Block>,
+    facings: Vec<Facing>,
     extras: Vec<Extra>,
     count: usize,
 }
@@ -79,15 +99,25 @@ pub(crate) struct Directions {
 }
 
 impl LightSamples {
-    pub(crate) fn from_lights(lights: &[Light]) -> Self {
-        let shining = || lights.iter().filter(|light| light.color() != Vec3::ZERO);
-        let plain = |light: &&Light| matches!(light, Light::Point { range: None, .. });
-        let plain_lights: Vec<&Light> = shining().filter(plain).collect();
-        let other_lights: Vec<&Light> = shining().filter(|light| !plain(light)).collect();
-        let mut blocks: Vec<Block> = plain_lights.chunks(LANES).map(block).collect();
-        blocks.extend(other_lights.chunks(LANES).map(block));
-        let extras = other_lights.chunks(LANES).map(extra).collect();
-        Self { blocks, extras, count: plain_lights.len() + other_lights.len() }
+    pub(crate) fn new(samples: &[LightSample]) -> Self {
+        let (mut plain, mut patches, mut shaped) = (Vec::new(), Vec::new(), Vec::new());
+        for sample in samples {
+            match *sample {
+                LightSample::Patch(patch) if patch.intensity_cd != Vec3::ZERO => patches.push(patch),
+                LightSample::Punctual(light) if light.color() != Vec3::ZERO => match light {
+                    Light::Point { range: None, .. } => plain.push(light),
+                    _ => shaped.push(light),
+                },
+                _ => {}
+            }
+        }
+        let of = |light: &Light| (place(light), light.color());
+        let mut blocks: Vec<Block> = plain.chunks(LANES).map(|lights| block(lights, of)).collect();
+        blocks.extend(patches.chunks(LANES).map(|patches| block(patches, |p| (p.position, p.intensity_cd))));
+        blocks.extend(shaped.chunks(LANES).map(|lights| block(lights, of)));
+        let facings = patches.chunks(LANES).map(facing).collect();
+        let extras = shaped.chunks(LANES).map(extra).collect();
+        Self { blocks, facings, extras, count: plain.len() + patches.len() + shaped.len() }
     }
 
     /// How many lights there are.
@@ -209,14 +239,22 @@ fn for_each_block<S: Simd>(
     p: Vec3,
     mut visit: impl FnMut(&Block, usize, Lanes<S>),
 ) {
-    let plain = lights.blocks.len() - lights.extras.len();
-    for (i, block) in lights.blocks[..plain].iter().enumerate() {
+    let (plain, rest) = lights.blocks.split_at(lights.blocks.len() - lights.facings.len() - lights.extras.len());
+    let (patches, shaped) = rest.split_at(lights.facings.len());
+    let mut first = 0;
+    for block in plain {
         let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
         let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
-        visit(block, i * LANES, Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) });
+        visit(block, first, Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) });
+        first += LANES;
     }
-    for (i, (block, extra)) in lights.blocks[plain..].iter().zip(&lights.extras).enumerate() {
-        visit(block, (plain + i) * LANES, shaped_lanes(simd, block, extra, falloff, p));
+    for (block, facing) in patches.iter().zip(&lights.facings) {
+        visit(block, first, patch_lanes(simd, block, facing, falloff, p));
+        first += LANES;
+    }
+    for (block, extra) in shaped.iter().zip(&lights.extras) {
+        visit(block, first, shaped_lanes(simd, block, extra, falloff, p));
+        first += LANES;
     }
 }
 
@@ -236,6 +274,22 @@ fn attenuation<S: Simd>(falloff: Falloff, r2: f32x16<S>, r: f32x16<S>) -> f32x16
         Falloff::InverseSquare => 1.0 / (r2 * r),
         Falloff::ConstantPlusDistance { constant } => 1.0 / ((r + constant) * r),
     }
+}
+
+/// d and f of patches.
+#[inline(always)]
+fn patch_lanes<S: Simd>(simd: S, block: &Block, facing: &Facing, falloff: Falloff, p: Vec3) -> Lanes<S> {
+    let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
+    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
+    let r = r2.sqrt();
+    let ahead = -(dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)) / r;
+    let cos = ahead.max(ahead * load(&facing.back));
+    let f = match falloff {
+        Falloff::InverseSquare => cos / ((r2 + load(&facing.spread)) * r),
+        Falloff::ConstantPlusDistance { .. } => attenuation(falloff, r2, r) * cos,
+    };
+    Lanes { dx, dy, dz, f }
 }
 
 /// d and f of spots, ranges and directions.
@@ -264,16 +318,28 @@ fn sum<S: Simd>(v: f32x16<S>) -> f32 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-fn block(lights: &[&Light]) -> Block {
-    let lane = |i: usize, get: fn(&Light) -> f32, padding: f32| lights.get(i).map_or(padding, |light| get(light));
+/// A block of things that have a place and a colour.
+fn block<T>(things: &[T], of: impl Fn(&T) -> (Vec3, Vec3)) -> Block {
     // Padding stands far away and shines with zero.
+    let lane = |i: usize| things.get(i).map_or((Vec3::splat(1e9), Vec3::ZERO), &of);
     Block {
-        x: std::array::from_fn(|i| lane(i, |l| place(l).x, 1e9)),
-        y: std::array::from_fn(|i| lane(i, |l| place(l).y, 1e9)),
-        z: std::array::from_fn(|i| lane(i, |l| place(l).z, 1e9)),
-        r: std::array::from_fn(|i| lane(i, |l| l.color().x, 0.0)),
-        g: std::array::from_fn(|i| lane(i, |l| l.color().y, 0.0)),
-        b: std::array::from_fn(|i| lane(i, |l| l.color().z, 0.0)),
+        x: std::array::from_fn(|i| lane(i).0.x),
+        y: std::array::from_fn(|i| lane(i).0.y),
+        z: std::array::from_fn(|i| lane(i).0.z),
+        r: std::array::from_fn(|i| lane(i).1.x),
+        g: std::array::from_fn(|i| lane(i).1.y),
+        b: std::array::from_fn(|i| lane(i).1.z),
+    }
+}
+
+fn facing(patches: &[Patch]) -> Facing {
+    let lane = |i: usize, get: fn(&Patch) -> f32| patches.get(i).map_or(0.0, get);
+    Facing {
+        ax: std::array::from_fn(|i| lane(i, |p| p.normal.x)),
+        ay: std::array::from_fn(|i| lane(i, |p| p.normal.y)),
+        az: std::array::from_fn(|i| lane(i, |p| p.normal.z)),
+        back: std::array::from_fn(|i| lane(i, |p| if p.two_sided { -1.0 } else { 0.0 })),
+        spread: std::array::from_fn(|i| lane(i, |p| p.area * std::f32::consts::FRAC_1_PI)),
     }
 }
 
@@ -285,7 +351,7 @@ fn place(light: &Light) -> Vec3 {
     }
 }
 
-fn extra(lights: &[&Light]) -> Extra {
+fn extra(lights: &[Light]) -> Extra {
     struct Shape {
         w: f32,
         axis: Vec3,
@@ -326,8 +392,12 @@ mod tests {
 
     use super::*;
 
+    fn from_lights(lights: &[Light]) -> LightSamples {
+        LightSamples::new(&lights.iter().map(|&light| LightSample::Punctual(light)).collect::<Vec<_>>())
+    }
+
     fn irradiance(lights: &[Light], p: Vec3, n: Vec3) -> Vec3 {
-        let samples = LightSamples::from_lights(lights);
+        let samples = from_lights(lights);
         let mut out = Vec::new();
         samples.irradiance(Level::new(), Falloff::InverseSquare, [(p, n)].into_iter(), &mut out);
         out[0]
@@ -395,7 +465,7 @@ mod tests {
         for y in [0.0, 1e6] {
             assert!((irradiance(&[sun], Vec3::new(3.0, y, 0.0), Vec3::Y).x - 6.0).abs() < 1e-5);
         }
-        let samples = LightSamples::from_lights(&[LAMP, sun]);
+        let samples = from_lights(&[LAMP, sun]);
         assert_eq!(samples.shadow_ray(LANES, Vec3::ONE).t_max, f32::INFINITY);
         assert!(samples.shadow_ray(0, Vec3::ONE).t_max < 1.0);
     }
@@ -410,7 +480,7 @@ mod tests {
                 range: (i % 7 == 0).then_some(8.0),
             })
             .collect();
-        let samples = LightSamples::from_lights(&lights);
+        let samples = from_lights(&lights);
         let points = || (0..50).map(|i| (Vec3::new(i as f32 * 0.1, 0.0, 0.2), Vec3::new(0.6, 0.0, 0.8)));
         let run = |level| {
             let mut out = Vec::new();

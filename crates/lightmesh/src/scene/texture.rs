@@ -134,7 +134,7 @@ pub(crate) enum Decode {
 }
 
 impl Decode {
-    fn texel(self, texels: &Texels, index: usize) -> Vec4 {
+    pub(super) fn texel(self, texels: &Texels, index: usize) -> Vec4 {
         match texels {
             Texels::Rgba32F(t) => Vec4::from_array(t[index]),
             Texels::Rgba8(t) => {
