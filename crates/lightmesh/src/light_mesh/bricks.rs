@@ -41,6 +41,17 @@ impl Slot {
     }
 }
 
+/// The slots of one brick; `None` if nobody touched it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Brick<'a>(Option<&'a [u32; 512]>);
+
+impl Brick<'_> {
+    #[inline(always)]
+    pub(super) fn at(self, local: usize) -> Slot {
+        self.0.map_or(Slot::Empty, |slots| Slot::unpack(slots[local]))
+    }
+}
+
 /// The bricks of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Bricks {
@@ -65,6 +76,15 @@ impl Bricks {
         match self.table[brick] {
             Self::NONE => Slot::Empty,
             index => Slot::unpack(self.slots[index as usize][local]),
+        }
+    }
+
+    /// The slots of a brick.
+    #[inline(always)]
+    pub(super) fn brick(&self, brick: usize) -> Brick<'_> {
+        match self.table[brick] {
+            Self::NONE => Brick(None),
+            index => Brick(Some(&self.slots[index as usize])),
         }
     }
 

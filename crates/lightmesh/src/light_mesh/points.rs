@@ -8,7 +8,7 @@ use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
 use super::lattice::{self, Lattice};
 use super::marks::Marks;
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, corner};
 use super::reader::{Reader, Sight};
 use crate::{Error, MeshStats, Scene};
 
@@ -56,6 +56,18 @@ impl Points {
     pub(super) fn slot(&self, coordinate: Coordinate) -> Slot {
         let (brick, local) = lattice::split(coordinate);
         self.bricks.slot(self.lattice.brick_index(brick), local)
+    }
+
+    /// The slots of a cell's eight corners.
+    #[inline(always)]
+    pub(super) fn slots(&self, cell: Coordinate) -> [Slot; 8] {
+        let (brick, local) = lattice::split(cell);
+        if (cell & 7).max_element() < 7 {
+            // All in one brick.
+            let slots = self.bricks.brick(self.lattice.brick_index(brick));
+            return std::array::from_fn(|k| slots.at(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
+        }
+        std::array::from_fn(|k| self.slot(corner(cell, k)))
     }
 
     pub(super) fn mark(&self, coordinate: Coordinate, marks: &Marks) {

@@ -1,12 +1,12 @@
 //! Reading the mesh: which points a surface point asks for, with what weight, and which of them it cannot see.
 
-use glam::{UVec3, Vec3};
+use glam::{UVec3, Vec3, Vec4};
 
 use super::Coordinate;
 use super::bricks::Slot;
-use super::clearance::{Clearance, Room, links, parted_from_plane, piece, room};
+use super::clearance::{Clearance, Links, down, links, parted_from_plane, piece, room};
 use super::marks::Marks;
-use super::neighbourhood::{Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
+use super::neighbourhood::{ByCorner, Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
 use super::points::Points;
 use super::probe::sees;
 use crate::geometry::Ray;
@@ -24,8 +24,10 @@ pub(crate) struct Reader<'a> {
     filled: u8,
     empty: u8,
     marked: u8,
-    room: Room,
-    links: [u8; 8],
+    clearances: [Clearance; 8],
+    links: Links,
+    /// The clearances towards the last side that was asked for, and which it is.
+    room: (usize, ByCorner),
     /// The last set of corners that was wanted, and whether it is in one piece.
     whole: (u8, bool),
     sight: Sight,
@@ -63,8 +65,9 @@ impl<'a> Reader<'a> {
             filled: 0,
             empty: 0,
             marked: 0,
-            room: Room::default(),
-            links: [0; 8],
+            clearances: [Clearance::default(); 8],
+            links: [0; 3],
+            room: (usize::MAX, [Vec4::ZERO; 2]),
             whole: (0, true),
             sight,
             sight_rays: 0,
@@ -135,7 +138,11 @@ impl<'a> Reader<'a> {
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
-        let parted = parted_from_plane(&self.room, usable, vertex.ng, &stencil.heights);
+        let (side, steep) = down(vertex.ng);
+        if self.room.0 != side {
+            self.room = (side, room(&self.clearances, side));
+        }
+        let parted = parted_from_plane(&self.room.1, usable, steep, &stencil.heights);
         let seen = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
         for k in bits(seen) {
             if let Slot::Filled(index) = self.slots[k] {
@@ -203,17 +210,17 @@ impl<'a> Reader<'a> {
     /// Looks up the corners of another cell.
     fn enter(&mut self, cell: Coordinate) {
         self.cell = cell;
-        self.slots = std::array::from_fn(|k| self.points.slot(corner(cell, k)));
+        self.slots = self.points.slots(cell);
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
         self.marked = 0;
-        let clearances = self.slots.map(|slot| match slot {
+        self.clearances = self.slots.map(|slot| match slot {
             Slot::Filled(index) => self.points.clearance(index),
             Slot::Empty | Slot::Invalid => Clearance::default(),
         });
-        self.room = room(&clearances);
-        self.links = links(&clearances);
+        self.links = links(&self.clearances);
+        self.room.0 = usize::MAX;
         self.whole = (0, true);
     }
 }
