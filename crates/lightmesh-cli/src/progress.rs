@@ -55,6 +55,7 @@ impl Bar {
                 self.bar.set_message("");
                 self.bar.set_prefix(match stage {
                     Stage::Render => "rendering",
+                    Stage::Outlines => "outlines of lamps",
                     _ => "working",
                 });
                 now

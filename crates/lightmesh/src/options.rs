@@ -141,13 +141,13 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Refuses a picture that `max_memory` does not hold: 27 bytes a pixel for the film, the finished picture and its 8-bit
+    /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its 8-bit
     /// copy. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and the scene are checked where they grow.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_picture_memory(&self) -> Result<(), Error> {
-        const BYTES_PER_PIXEL: u64 = 12 + 12 + 3;
+        const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
         let pixels = u64::from(self.width) * u64::from(self.height);
         let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL);
         // Pixels are counted in 32 bits.

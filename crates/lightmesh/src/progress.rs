@@ -9,6 +9,8 @@ use std::time::Instant;
 pub enum Stage {
     /// Tracing and shading a picture's samples; counts samples.
     Render,
+    /// Sampling the outlines of lamps again, more finely; counts samples.
+    Outlines,
 }
 
 /// Receives reports and may cancel. Reports come from worker threads: one when a stage begins, one when it ends, and

@@ -2,6 +2,7 @@
 //!
 //! The reflection model is documented at [`Material`](crate::Material).
 
+mod block;
 mod direct;
 mod lamps;
 mod lit;
@@ -12,9 +13,10 @@ mod surface;
 mod visibility;
 mod wave;
 
+pub(crate) use block::MAX_LAYERS;
 pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use path::render_path;
 pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere};
 pub(crate) use surface::{Vertex, evaluate, is_back_face, is_solid};
 pub(crate) use visibility::{VisibilityScratch, visibility};
-pub(crate) use wave::{Lighting, MAX_LAYERS, render_waves};
+pub(crate) use wave::{Lighting, render_waves};

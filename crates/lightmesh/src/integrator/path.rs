@@ -4,11 +4,11 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::block::MAX_LAYERS;
 use super::direct::Scratch;
 use super::lamps::{LampSampler, power_heuristic};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use super::surface::{Surface, Vertex, evaluate};
-use super::wave::MAX_LAYERS;
 use crate::bvh::Hit;
 use crate::film::Film;
 use crate::geometry::Ray;

@@ -56,6 +56,34 @@ pub(crate) struct Surface {
     pub refracted: Vec3,
 }
 
+impl Surface {
+    /// The surface as a vertex that wants light, reached with throughput `beta`.
+    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
+        Vertex {
+            position: self.position,
+            n: self.n,
+            ng: self.ng,
+            extent: self.extent,
+            weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
+            pixel,
+        }
+    }
+
+    /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
+    /// into the surface.
+    pub(crate) fn mirrored(&self, direction: Vec3) -> Vec3 {
+        let d = direction.normalize();
+        let about = |n: Vec3| d - n * (2.0 * n.dot(d));
+        let mirrored = about(self.n);
+        if mirrored.dot(self.ng) > 0.0 { mirrored } else { about(self.ng) }
+    }
+
+    /// A ray from the surface along `direction`.
+    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
+        Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
+    }
+}
+
 /// Evaluates what `ray` hit.
 pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
     evaluate_at(scene, ray, &locate(scene, ray, hit))

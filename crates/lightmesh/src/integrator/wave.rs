@@ -1,31 +1,22 @@
 //! Waves: camera rays → hits → light → film, and mirrored, refracted and passed-through rays as the next wave.
 
-use std::ops::Range;
 use std::time::Instant;
 
-use glam::Vec3;
 use rayon::prelude::*;
 
+use super::block::{BLOCK, Block, WaveRay};
 use super::lit::{DirectLighting, LitVertices};
-use super::surface::{Surface, Vertex, evaluate};
-use crate::bvh::Hit;
-use crate::film::{Film, Sample};
-use crate::geometry::{Ray, offset_origin};
-use crate::light_mesh::{IndirectField, IndirectReading, LightMarks, LightMesh, Marks, Sight};
+use super::surface::Vertex;
+use crate::film::Film;
+use crate::light_mesh::{IndirectField, LightMarks, LightMesh, Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
-
-/// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
-const BLOCK: usize = 512;
 
 /// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
 const BLOCKS_PER_WAVE: usize = 128;
 
 /// Rays per wave. A fixed number: the order in which a pixel's light is summed must not depend on the machine.
 const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
-
-/// BLEND and MASK layers that a ray may pass in a row.
-pub(crate) const MAX_LAYERS: u8 = 64;
 
 /// Where the light at a wave's hits comes from.
 #[derive(Debug)]
@@ -36,34 +27,14 @@ pub(crate) enum Lighting<'a> {
     Mesh(&'a mut LightMesh),
 }
 
-/// A ray with what it carries.
-#[derive(Clone, Copy, Debug)]
-struct WaveRay {
-    ray: Ray,
-    /// Throughput: radiance at the film per unit of radiance along the ray.
-    beta: Vec3,
-    pixel: u32,
-    /// Mirror and refraction events so far.
-    depth: u32,
-    /// Layers passed since the last event.
-    layers: u8,
-}
-
-/// Up to [`BLOCK`] rays, what they hit and what came of it; buffers are kept from wave to wave.
-#[derive(Debug, Default)]
-struct Block {
-    input: Vec<WaveRay>,
-    rays: Vec<Ray>,
-    hits: Vec<Option<Hit>>,
-    lit: LitVertices,
-    /// Indirect irradiance of each vertex, lux; empty where there is none.
-    indirect: Vec<Vec3>,
-    /// Vertices that the indirect mesh has not answered yet, and those that it has no answer for.
-    waiting: Vec<u32>,
-    orphans: Vec<u32>,
-    sight_rays: u64,
-    emitted: Vec<(u32, Vec3)>,
-    next: Vec<WaveRay>,
+/// What a picture is made with.
+struct Frame<'a> {
+    scene: &'a Scene,
+    options: &'a RenderOptions,
+    lighting: Lighting<'a>,
+    marks: Option<LightMarks>,
+    blocks: Vec<Block>,
+    progress: &'a dyn Progress,
 }
 
 /// Renders all samples of the film with exact or mesh light.
@@ -71,17 +42,32 @@ pub(crate) fn render_waves(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    mut lighting: Lighting<'_>,
+    lighting: Lighting<'_>,
     progress: &dyn Progress,
 ) -> Result<RenderStats, Error> {
-    let mut stats = RenderStats::default();
-    let mut blocks: Vec<Block> = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-    let mut marks = match &lighting {
+    let marks = match &lighting {
         Lighting::Exact => None,
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
+    let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
+    let mut frame = Frame { scene, options, lighting, marks, blocks, progress };
+    let mut stats = RenderStats::default();
+    let lamps = scene.has_lamps();
+    if lamps {
+        film.watch_lamps();
+    }
+    render_pass(&mut frame, film, Stage::Render, &mut stats)?;
+    if lamps && film.turn_to_outlines() {
+        render_pass(&mut frame, film, Stage::Outlines, &mut stats)?;
+    }
+    Ok(stats)
+}
+
+/// Renders what samples the film has now.
+fn render_pass(frame: &mut Frame<'_>, film: &mut Film, stage: Stage, stats: &mut RenderStats) -> Result<(), Error> {
+    let Frame { scene, options, lighting, marks, blocks, progress } = frame;
     let total = film.sample_count();
-    let reporter = Reporter::new(progress, Stage::Render, total);
+    let reporter = Reporter::new(*progress, stage, total);
     let mut first = 0;
     // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
     // them for each mirror and refraction event.
@@ -116,19 +102,19 @@ pub(crate) fn render_waves(
             stats.seconds.shade += started.elapsed().as_secs_f64();
         }
 
-        light(scene, &mut blocks[..used], options, &mut lighting, marks.as_mut(), &reporter, &mut stats)?;
+        light(scene, &mut blocks[..used], options, lighting, marks.as_mut(), &reporter, stats)?;
 
         // To the film and the queue, in order.
         let started = Instant::now();
         for block in &mut blocks[..used] {
             block.add_to(film);
             queue.append(&mut block.next);
-            block.lit.take_counts(&mut stats);
+            block.lit.take_counts(stats);
             stats.rays.secondary += std::mem::take(&mut block.sight_rays);
         }
         stats.seconds.shade += started.elapsed().as_secs_f64();
     }
-    Ok(stats)
+    Ok(())
 }
 
 /// Computes the irradiance at every vertex of the blocks.
@@ -208,149 +194,4 @@ fn light_indirectly(
     }
     direct.stats.seconds.shade += started.elapsed().as_secs_f64();
     Ok(())
-}
-
-impl Block {
-    fn take_camera_rays(&mut self, film: &Film, samples: Range<u64>) {
-        self.input.clear();
-        self.input.extend(film.samples(samples).map(|sample: Sample| {
-            let ray = film.ray(sample);
-            WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
-        }));
-    }
-
-    /// Counts the rays of a finished block, and its samples if they are camera rays.
-    fn report(&self, reporter: &Reporter<'_>) {
-        let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
-        let rays = self.input.len() as u64;
-        reporter.add(if from_camera { rays } else { 0 }, rays + self.lit.rays());
-    }
-
-    fn add_to(&self, film: &mut Film) {
-        for &(pixel, radiance) in &self.emitted {
-            film.add(pixel, radiance);
-        }
-        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.lit.direct) {
-            film.add(vertex.pixel, vertex.weight * irradiance);
-        }
-        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.indirect) {
-            film.add(vertex.pixel, vertex.weight * irradiance);
-        }
-    }
-
-    /// Traces the input rays and evaluates what they hit.
-    fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
-        self.rays.clear();
-        self.rays.extend(self.input.iter().map(|r| r.ray));
-        self.hits.clear();
-        self.hits.resize(self.rays.len(), None);
-        scene.bvh().closest_batch(&self.rays, &mut self.hits);
-
-        self.lit.vertices.clear();
-        self.indirect.clear();
-        self.emitted.clear();
-        self.next.clear();
-        for (from, hit) in self.input.iter().zip(&self.hits) {
-            let Some(hit) = hit else {
-                let sky = scene.environment(from.ray.direction.normalize());
-                if sky != Vec3::ZERO {
-                    self.emitted.push((from.pixel, from.beta * sky));
-                }
-                continue;
-            };
-            let surface = evaluate(scene, &from.ray, hit);
-            let beta = from.beta * surface.coverage;
-            if surface.emission != Vec3::ZERO {
-                self.emitted.push((from.pixel, beta * surface.emission));
-            }
-            if surface.diffuse != Vec3::ZERO {
-                self.lit.vertices.push(surface.vertex(beta, from.pixel));
-            }
-            spawn(&mut self.next, from, hit, &surface, options);
-        }
-    }
-
-    /// Lets every vertex wait for indirect light.
-    fn await_indirect(&mut self) {
-        self.indirect.clear();
-        self.indirect.resize(self.lit.vertices.len(), Vec3::ZERO);
-        self.orphans.clear();
-        self.waiting.clear();
-        self.waiting.extend(0..self.lit.vertices.len() as u32);
-    }
-
-    /// Reads the mesh for the vertices that wait; those whose points are empty mark them and go on waiting.
-    fn read_indirect(&mut self, scene: &Scene, field: &IndirectField, bounces: u32, marks: &Marks) {
-        let mut reader = field.reader(scene, bounces, Sight::Every);
-        let Self { waiting, lit, indirect, orphans, .. } = self;
-        waiting.retain(|&i| {
-            match reader.read(&lit.vertices[i as usize], marks) {
-                IndirectReading::Irradiance(irradiance) => indirect[i as usize] = irradiance,
-                IndirectReading::Nothing => orphans.push(i),
-                IndirectReading::Empty => return true,
-            }
-            false
-        });
-        self.sight_rays += reader.sight_rays();
-    }
-
-    /// The vertices that the indirect mesh has no answer for.
-    fn orphans(&self) -> impl Iterator<Item = &Vertex> {
-        self.orphans.iter().map(|&i| &self.lit.vertices[i as usize])
-    }
-}
-
-/// The rays that go on from a surface: through it, mirrored and refracted.
-fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, options: &RenderOptions) {
-    if surface.coverage < 1.0 && from.layers < MAX_LAYERS {
-        let beta = from.beta * (1.0 - surface.coverage);
-        if beta.max_element() > options.cutoff {
-            let ray = Ray { t_min: hit.t, ..from.ray };
-            next.push(WaveRay { ray, beta, layers: from.layers + 1, ..*from });
-        }
-    }
-    if from.depth >= options.depth {
-        return;
-    }
-    let mut follow = |weight: Vec3, direction: Vec3| {
-        let beta = from.beta * surface.coverage * weight;
-        if beta.max_element() > options.cutoff {
-            let ray = surface.leave(direction);
-            next.push(WaveRay { ray, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
-        }
-    };
-    if surface.mirror != Vec3::ZERO {
-        follow(surface.mirror, surface.mirrored(from.ray.direction));
-    }
-    if surface.refraction != Vec3::ZERO {
-        follow(surface.refraction, surface.refracted);
-    }
-}
-
-impl Surface {
-    /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
-        Vertex {
-            position: self.position,
-            n: self.n,
-            ng: self.ng,
-            extent: self.extent,
-            weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
-            pixel,
-        }
-    }
-
-    /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
-    /// into the surface.
-    pub(crate) fn mirrored(&self, direction: Vec3) -> Vec3 {
-        let d = direction.normalize();
-        let about = |n: Vec3| d - n * (2.0 * n.dot(d));
-        let mirrored = about(self.n);
-        if mirrored.dot(self.ng) > 0.0 { mirrored } else { about(self.ng) }
-    }
-
-    /// A ray from the surface along `direction`.
-    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
-        Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
-    }
 }

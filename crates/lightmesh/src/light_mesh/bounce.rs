@@ -140,7 +140,9 @@ impl IndirectField {
             gathered.emission.extend_from_slice(&emission[..sides]);
             gathered.first.extend(first[..sides].iter().zip(&emission).map(|(f, e)| f + e));
             gather.lit.take_counts(direct.stats);
-            direct.stats.rays.gather += std::mem::take(&mut gather.rays);
+            let rays = std::mem::take(&mut gather.rays);
+            direct.stats.rays.gather += rays;
+            direct.reporter.add(0, rays);
         }
         Ok(())
     }

@@ -47,7 +47,9 @@ impl IndirectField {
             irradiance.extend(self.sum(direct, marks, batch, bounces)?);
             for gather in batch {
                 gather.lit.take_counts(direct.stats);
-                direct.stats.rays.gather += std::mem::take(&mut gather.rays);
+                let rays = std::mem::take(&mut gather.rays);
+                direct.stats.rays.gather += rays;
+                direct.reporter.add(0, rays);
             }
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);

@@ -133,6 +133,11 @@ impl Scene {
         self.all_solid
     }
 
+    /// Whether anything shines that is much brighter than what it lights: lamps with a size, or a sky.
+    pub(crate) fn has_lamps(&self) -> bool {
+        !self.emitters.area.is_dark() || self.emitters.environment.is_some()
+    }
+
     /// Whether a surface's emission is found by gather rays alone.
     pub(crate) fn is_gathered(&self, target: Target) -> bool {
         !self.emitters.area.is_sampled(target)

@@ -1,0 +1,181 @@
+//! A block of a wave: up to 512 rays, what they hit, and what came of it.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::lit::LitVertices;
+use super::surface::{Surface, Vertex, evaluate};
+use crate::bvh::Hit;
+use crate::film::{Film, Sample};
+use crate::geometry::Ray;
+use crate::light_mesh::{IndirectField, IndirectReading, Marks, Sight};
+use crate::progress::Reporter;
+use crate::{RenderOptions, Scene};
+
+/// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
+pub(super) const BLOCK: usize = 512;
+
+/// BLEND and MASK layers that a ray may pass in a row.
+pub(crate) const MAX_LAYERS: u8 = 64;
+
+/// A ray with what it carries.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WaveRay {
+    ray: Ray,
+    /// Throughput: radiance at the film per unit of radiance along the ray.
+    beta: Vec3,
+    pixel: u32,
+    /// Mirror and refraction events so far.
+    depth: u32,
+    /// Layers passed since the last event.
+    layers: u8,
+}
+
+/// Up to [`BLOCK`] rays, what they hit and what came of it; buffers are kept from wave to wave.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    pub(super) input: Vec<WaveRay>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    pub(super) lit: LitVertices,
+    /// Indirect irradiance of each vertex, lux; empty where there is none.
+    pub(super) indirect: Vec<Vec3>,
+    /// Vertices that the indirect mesh has not answered yet, and those that it has no answer for.
+    pub(super) waiting: Vec<u32>,
+    pub(super) orphans: Vec<u32>,
+    pub(super) sight_rays: u64,
+    emitted: Vec<(u32, Vec3)>,
+    /// Whether each camera ray saw a lamp; empty where nobody asks.
+    lamps: Vec<(u32, bool)>,
+    pub(super) next: Vec<WaveRay>,
+}
+
+impl Block {
+    pub(super) fn take_camera_rays(&mut self, film: &Film, samples: Range<u64>) {
+        self.input.clear();
+        self.input.extend(film.samples(samples).map(|sample: Sample| {
+            let ray = film.ray(sample);
+            WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
+        }));
+    }
+
+    /// Counts the rays of a finished block, and its samples if they are camera rays.
+    pub(super) fn report(&self, reporter: &Reporter<'_>) {
+        let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
+        let rays = self.input.len() as u64;
+        reporter.add(if from_camera { rays } else { 0 }, rays + self.lit.rays());
+    }
+
+    pub(super) fn add_to(&self, film: &mut Film) {
+        for &(pixel, lamp) in &self.lamps {
+            film.saw(pixel, lamp);
+        }
+        for &(pixel, radiance) in &self.emitted {
+            film.add(pixel, radiance);
+        }
+        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.lit.direct) {
+            film.add(vertex.pixel, vertex.weight * irradiance);
+        }
+        for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.indirect) {
+            film.add(vertex.pixel, vertex.weight * irradiance);
+        }
+    }
+
+    /// Traces the input rays and evaluates what they hit.
+    pub(super) fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
+        self.rays.clear();
+        self.rays.extend(self.input.iter().map(|r| r.ray));
+        self.hits.clear();
+        self.hits.resize(self.rays.len(), None);
+        scene.bvh().closest_batch(&self.rays, &mut self.hits);
+
+        self.lit.vertices.clear();
+        self.indirect.clear();
+        self.emitted.clear();
+        self.next.clear();
+        self.lamps.clear();
+        let watched = scene.has_lamps();
+        for (from, hit) in self.input.iter().zip(&self.hits) {
+            let first = watched && from.depth == 0 && from.layers == 0;
+            let Some(hit) = hit else {
+                let sky = scene.environment(from.ray.direction.normalize());
+                if first {
+                    self.lamps.push((from.pixel, sky != Vec3::ZERO));
+                }
+                if sky != Vec3::ZERO {
+                    self.emitted.push((from.pixel, from.beta * sky));
+                }
+                continue;
+            };
+            let surface = evaluate(scene, &from.ray, hit);
+            let beta = from.beta * surface.coverage;
+            if first {
+                self.lamps.push((from.pixel, surface.lights != Vec3::ZERO && !scene.is_gathered(hit.target)));
+            }
+            if surface.emission != Vec3::ZERO {
+                self.emitted.push((from.pixel, beta * surface.emission));
+            }
+            if surface.diffuse != Vec3::ZERO {
+                self.lit.vertices.push(surface.vertex(beta, from.pixel));
+            }
+            spawn(&mut self.next, from, hit, &surface, options);
+        }
+    }
+
+    /// Lets every vertex wait for indirect light.
+    pub(super) fn await_indirect(&mut self) {
+        self.indirect.clear();
+        self.indirect.resize(self.lit.vertices.len(), Vec3::ZERO);
+        self.orphans.clear();
+        self.waiting.clear();
+        self.waiting.extend(0..self.lit.vertices.len() as u32);
+    }
+
+    /// Reads the mesh for the vertices that wait; those whose points are empty mark them and go on waiting.
+    pub(super) fn read_indirect(&mut self, scene: &Scene, field: &IndirectField, bounces: u32, marks: &Marks) {
+        let mut reader = field.reader(scene, bounces, Sight::Every);
+        let Self { waiting, lit, indirect, orphans, .. } = self;
+        waiting.retain(|&i| {
+            match reader.read(&lit.vertices[i as usize], marks) {
+                IndirectReading::Irradiance(irradiance) => indirect[i as usize] = irradiance,
+                IndirectReading::Nothing => orphans.push(i),
+                IndirectReading::Empty => return true,
+            }
+            false
+        });
+        self.sight_rays += reader.sight_rays();
+    }
+
+    /// The vertices that the indirect mesh has no answer for.
+    pub(super) fn orphans(&self) -> impl Iterator<Item = &Vertex> {
+        self.orphans.iter().map(|&i| &self.lit.vertices[i as usize])
+    }
+}
+
+/// The rays that go on from a surface: through it, mirrored and refracted.
+fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, options: &RenderOptions) {
+    if surface.coverage < 1.0 && from.layers < MAX_LAYERS {
+        let beta = from.beta * (1.0 - surface.coverage);
+        if beta.max_element() > options.cutoff {
+            let ray = Ray { t_min: hit.t, ..from.ray };
+            next.push(WaveRay { ray, beta, layers: from.layers + 1, ..*from });
+        }
+    }
+    if from.depth >= options.depth {
+        return;
+    }
+    let mut follow = |weight: Vec3, direction: Vec3| {
+        let beta = from.beta * surface.coverage * weight;
+        if beta.max_element() > options.cutoff {
+            let ray = surface.leave(direction);
+            next.push(WaveRay { ray, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
+        }
+    };
+    if surface.mirror != Vec3::ZERO {
+        follow(surface.mirror, surface.mirrored(from.ray.direction));
+    }
+    if surface.refraction != Vec3::ZERO {
+        follow(surface.refraction, surface.refracted);
+    }
+}
