@@ -16,17 +16,11 @@ const SEGMENT_END: f32 = 1.0 - 1e-4;
 /// The share of the estimate that a sample of density `pdf` gets, where another way would have found it with `other` (Veach
 /// 1997, section 9.2.4, β = 2).
 pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    if pdf == f32::INFINITY {
-        return 1.0;
+    if pdf == 0.0 {
+        return 0.0;
     }
-    let (a, b) = (pdf * pdf, other * other);
-    if a == 0.0 {
-        0.0
-    } else if b == f32::INFINITY {
-        0.0
-    } else {
-        a / (a + b)
-    }
+    let ratio = other / pdf;
+    1.0 / (1.0 + ratio * ratio)
 }
 
 /// Samples lamps and counts its shadow rays.
@@ -59,8 +53,7 @@ impl LampSampler {
         let d = point.position - vertex.position;
         let r2 = d.length_squared();
         let direction = d / r2.sqrt();
-        let (cos, ahead) = (vertex.n.dot(direction), -point.normal.dot(direction));
-        let cos_light = if point.two_sided { ahead.abs() } else { ahead };
+        let (cos, cos_light) = (vertex.n.dot(direction), point.normal.dot(direction).abs());
         if cos.is_nan() || cos <= 0.0 || cos_light <= 0.0 {
             return Vec3::ZERO;
         }

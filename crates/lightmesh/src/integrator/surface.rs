@@ -99,9 +99,7 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     if material.unlit {
         return Surface { emission: base, ..plain(place, n, coverage) };
     }
-    // glTF: the back of a single-sided surface is not there; ours shades, but does not shine.
-    let shines = place.front || material.double_sided;
-    let emission = if shines { emission_of(scene.data(), material, place.uvs) } else { Vec3::ZERO };
+    let emission = emission_of(scene.data(), material, place.uvs);
     let lambert = Surface { emission, lights: emission, diffuse: base, ..plain(place, n, coverage) };
     if material.is_lambert() {
         return lambert;

@@ -32,6 +32,14 @@ struct Transfer {
     lobe: Vec3,
 }
 
+/// The transfers of one point, as far as they are known.
+#[derive(Debug, Default)]
+struct Linked {
+    transfers: Vec<Transfer>,
+    complete: bool,
+    sight_rays: u64,
+}
+
 /// What the points that are being filled gather.
 #[derive(Debug, Default)]
 struct Gathered {
@@ -174,33 +182,33 @@ impl IndirectField {
             gathered.transfers.resize_with(gathered.transfers.len() + batch.len(), Vec::new);
             return Ok(());
         }
+        let mut links: Vec<Linked> = batch.iter().map(|_| Linked::default()).collect();
         loop {
             let field = &*self;
-            let linked: Vec<_> = batch
-                .par_iter()
-                .map(|gather| {
-                    let mut transfers = Vec::with_capacity(gather.lit.vertices.len());
-                    let mut reader = field.points.reader(direct.scene, Sight::One);
-                    let (mut corners, mut complete) = (Vec::with_capacity(8), true);
-                    for vertex in &gather.lit.vertices {
-                        corners.clear();
-                        match reader.read(vertex, marks, |_, index, weight| corners.push((index, weight))) {
-                            Outcome::Read => transfers.push(Transfer {
-                                from: choose(corners.iter().copied(), seed_of_place(vertex.position)),
-                                n: vertex.n,
-                                weight: vertex.weight,
-                                lobe: gather.lobes[vertex.pixel as usize],
-                            }),
-                            Outcome::Nothing => {}
-                            Outcome::Empty => complete = false,
-                        }
+            batch.par_iter().zip(&mut links).filter(|(_, linked)| !linked.complete).for_each(|(gather, linked)| {
+                let mut reader = field.points.reader(direct.scene, Sight::One);
+                let mut corners = Vec::with_capacity(8);
+                linked.transfers.clear();
+                linked.transfers.reserve(gather.lit.vertices.len());
+                linked.complete = true;
+                for vertex in &gather.lit.vertices {
+                    corners.clear();
+                    match reader.read(vertex, marks, |_, index, weight| corners.push((index, weight))) {
+                        Outcome::Read => linked.transfers.push(Transfer {
+                            from: choose(corners.iter().copied(), seed_of_place(vertex.position)),
+                            n: vertex.n,
+                            weight: vertex.weight,
+                            lobe: gather.lobes[vertex.pixel as usize],
+                        }),
+                        Outcome::Nothing => {}
+                        Outcome::Empty => linked.complete = false,
                     }
-                    (transfers, reader.sight_rays(), complete)
-                })
-                .collect();
-            direct.stats.rays.secondary += linked.iter().map(|l| l.1).sum::<u64>();
-            if linked.iter().all(|l| l.2) {
-                gathered.transfers.extend(linked.into_iter().map(|l| l.0));
+                }
+                linked.sight_rays += reader.sight_rays();
+            });
+            if links.iter().all(|linked| linked.complete) {
+                direct.stats.rays.secondary += links.iter().map(|linked| linked.sight_rays).sum::<u64>();
+                gathered.transfers.extend(links.into_iter().map(|linked| linked.transfers));
                 return Ok(());
             }
             self.probe(direct, marks)?;

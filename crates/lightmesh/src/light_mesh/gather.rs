@@ -31,16 +31,29 @@ pub(super) struct Gather {
 }
 
 /// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical Fibonacci
-/// Mapping", SIGGRAPH Asia 2015, eq. 2).
+/// Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same parts of the scene and of
+/// its meshes.
 pub(super) fn sphere_directions(count: u32) -> Vec<Vec3> {
-    (0..count)
+    let mut directions: Vec<Vec3> = (0..count)
         .map(|i| {
             let z = 1.0 - (2 * i + 1) as f32 / count as f32;
             let phi = TAU * unit(i.wrapping_mul(INV_GOLDEN));
             let r = (1.0 - z * z).max(0.0).sqrt();
             Vec3::new(r * libm::cosf(phi), r * libm::sinf(phi), z)
         })
-        .collect()
+        .collect();
+    directions.sort_by_key(|&d| octahedral_morton(d));
+    directions
+}
+
+/// A place on a curve that fills the sphere: the Morton code of the direction's place on the octahedron, unfolded, of 256 × 256
+/// cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
+fn octahedral_morton(d: Vec3) -> u32 {
+    let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
+    let folded = |a: f32, b: f32| if p.z < 0.0 { (1.0 - b.abs()) * 1.0_f32.copysign(a) } else { a };
+    let cell = |x: f32| ((x * 0.5 + 0.5) * 255.0) as u32;
+    let (x, y) = (cell(folded(p.x, p.y)), cell(folded(p.y, p.x)));
+    (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
 }
 
 /// 32 bits as a number in [0, 1), 24 of them.

@@ -99,12 +99,12 @@ impl EnvironmentLight {
         (0..n)
             .map(|i| {
                 let u = Vec2::new((i as f32 + 0.5) / n as f32, radical_inverse(i));
-                let (towards, pdf) = self.sample(u);
-                let texel = self.map.as_ref().map_or(Vec3::ONE, |map| {
-                    let (column, row) = map.table.cell(place_of(self.map_from_world * towards));
-                    map.cells[row * map.width + column]
-                });
-                let illuminance_lux = texel * self.environment.radiance / (pdf * n as f32);
+                let (towards, solid_angle, texel) = match &self.map {
+                    None => (sample_sphere(u), 4.0 * PI, Vec3::ONE),
+                    Some(map) => map.patch(u),
+                };
+                let towards = self.environment.world_from_map * towards;
+                let illuminance_lux = texel * self.environment.radiance * (solid_angle / n as f32);
                 LightSample::Punctual(Light::Directional { direction: -towards, illuminance_lux })
             })
             .collect()
@@ -131,6 +131,15 @@ impl Map {
         let weight = |(i, c): (usize, &Vec3)| luminance(*c) * sin_of_row(i / width as usize, height as usize);
         let weights: Vec<f32> = cells.iter().enumerate().map(weight).collect();
         Self { table: Table::new(width as usize, &weights), width: width as usize, cells }
+    }
+
+    /// A direction, the solid angle that it stands for were it the only one, and the light of its cell.
+    fn patch(&self, u: Vec2) -> (Vec3, f32, Vec3) {
+        let place = self.table.sample(u);
+        let (column, row) = self.table.cell(place);
+        let sin = sin_of_row(row, self.cells.len() / self.width);
+        let solid_angle = 2.0 * PI * PI * sin / self.table.pdf(place);
+        (direction_of(place), solid_angle, self.cells[row * self.width + column])
     }
 
     /// Per steradian: dω = 2π² sin θ du dv.
