@@ -38,6 +38,13 @@ pub(super) fn room(corners: &[Clearance; 8], side: usize) -> ByCorner {
     [0, 4].map(|z| Vec4::from_array(std::array::from_fn(|k| f32::from(corners[z + k].0[side]))))
 }
 
+/// The corners that have surfaces near on four sides or more, as points have that are inside something thin: they say nothing
+/// about what is around it.
+pub(super) fn enclosed(corners: &[Clearance; 8]) -> u8 {
+    let is_enclosed = |k: usize| corners[k].0[Clearance::FREE_SIDES].count_ones() <= 2;
+    (0..8).map(|k| u8::from(is_enclosed(k)) << k).sum()
+}
+
 /// Which edges of a cell are free: for each axis a bit per corner at the lower end of its edge.
 pub(super) type Links = [u8; 3];
 

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3, Vec4};
 
 use super::Coordinate;
 use super::bricks::Slot;
-use super::clearance::{Clearance, Links, down, links, parted_from_plane, piece, room};
+use super::clearance::{Clearance, Links, down, enclosed, links, parted_from_plane, piece, room};
 use super::marks::Marks;
 use super::neighbourhood::{ByCorner, Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
 use super::points::Points;
@@ -26,6 +26,7 @@ pub(crate) struct Reader<'a> {
     marked: u8,
     clearances: [Clearance; 8],
     links: Links,
+    enclosed: u8,
     /// The clearances towards the last side that was asked for, and which it is.
     room: (usize, ByCorner),
     /// The last set of corners that was wanted, and whether it is in one piece.
@@ -67,6 +68,7 @@ impl<'a> Reader<'a> {
             marked: 0,
             clearances: [Clearance::default(); 8],
             links: [0; 3],
+            enclosed: 0,
             room: (usize::MAX, [Vec4::ZERO; 2]),
             whole: (0, true),
             sight,
@@ -142,7 +144,7 @@ impl<'a> Reader<'a> {
         if self.room.0 != side {
             self.room = (side, room(&self.clearances, side));
         }
-        let parted = parted_from_plane(&self.room.1, usable, steep, &stencil.heights);
+        let parted = self.enclosed & usable | parted_from_plane(&self.room.1, usable, steep, &stencil.heights);
         let seen = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
         for k in bits(seen) {
             if let Slot::Filled(index) = self.slots[k] {
@@ -152,7 +154,7 @@ impl<'a> Reader<'a> {
         if seen == 0 { Outcome::Nothing } else { Outcome::Read }
     }
 
-    /// Those of the usable corners that the vertex sees, or one of them; `parted` from its plane are some.
+    /// Those of the usable corners that the vertex sees, or one of them; some may be `parted` from its plane.
     #[cold]
     fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         match self.sight {
@@ -220,6 +222,7 @@ impl<'a> Reader<'a> {
             Slot::Empty | Slot::Invalid => Clearance::default(),
         });
         self.links = links(&self.clearances);
+        self.enclosed = enclosed(&self.clearances);
         self.room.0 = usize::MAX;
         self.whole = (0, true);
     }
