@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3, Vec4};
 
 use super::Coordinate;
 use super::bricks::Slot;
-use super::clearance::{Clearance, Links, down, enclosed, links, parted_from_plane, piece, room};
+use super::clearance::{self, Clearance, Links, blocked, enclosed, links, piece, room};
 use super::marks::Marks;
 use super::neighbourhood::{ByCorner, Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
 use super::points::Points;
@@ -27,8 +27,11 @@ pub(crate) struct Reader<'a> {
     clearances: [Clearance; 8],
     links: Links,
     enclosed: u8,
-    /// The clearances towards the last side that was asked for, and which it is.
-    room: (usize, ByCorner),
+    /// The sides that any corner has a surface on.
+    blocked: u8,
+    /// The clearances by side, and for which sides they are known.
+    rooms: [ByCorner; 6],
+    known: u8,
     /// The last set of corners that was wanted, and whether it is in one piece.
     whole: (u8, bool),
     sight: Sight,
@@ -69,7 +72,9 @@ impl<'a> Reader<'a> {
             clearances: [Clearance::default(); 8],
             links: [0; 3],
             enclosed: 0,
-            room: (usize::MAX, [Vec4::ZERO; 2]),
+            blocked: 0,
+            rooms: [[Vec4::ZERO; 2]; 6],
+            known: 0,
             whole: (0, true),
             sight,
             sight_rays: 0,
@@ -140,11 +145,7 @@ impl<'a> Reader<'a> {
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
-        let (side, steep) = down(vertex.ng);
-        if self.room.0 != side {
-            self.room = (side, room(&self.clearances, side));
-        }
-        let parted = self.enclosed & usable | parted_from_plane(&self.room.1, usable, steep, &stencil.heights);
+        let parted = self.parted(vertex, &stencil) & usable;
         let seen = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
         for k in bits(seen) {
             if let Slot::Filled(index) = self.slots[k] {
@@ -154,7 +155,35 @@ impl<'a> Reader<'a> {
         if seen == 0 { Outcome::Nothing } else { Outcome::Read }
     }
 
-    /// Those of the usable corners that the vertex sees, or one of them; some may be `parted` from its plane.
+    /// The corners that may have something between them and the vertex.
+    #[inline(always)]
+    fn parted(&mut self, vertex: &Vertex, stencil: &Stencil) -> u8 {
+        let lattice = &self.points.lattice;
+        let place = (vertex.position - lattice.point(self.cell)) / lattice.spacing();
+        let mut parted = self.enclosed;
+        for axis in 0..3 {
+            for upper in [false, true] {
+                let d = place[axis] - f32::from(u8::from(upper));
+                if self.blocked >> (2 * axis + usize::from(d < 0.0)) & 1 != 0 {
+                    let room = |side| self.room(side);
+                    parted |= clearance::parted(axis, upper, d, vertex.ng[axis], &stencil.heights, room);
+                }
+            }
+        }
+        parted
+    }
+
+    /// The corners' clearances towards a side.
+    #[inline(always)]
+    fn room(&mut self, side: usize) -> ByCorner {
+        if self.known >> side & 1 == 0 {
+            self.known |= 1 << side;
+            self.rooms[side] = room(&self.clearances, side);
+        }
+        self.rooms[side]
+    }
+
+    /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
     #[cold]
     fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         match self.sight {
@@ -166,8 +195,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A ray to the heaviest corner of each piece decides about the piece; corners that are parted from the vertex' plane get
-    /// one each.
+    /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
+    /// there is but one piece and nothing of it is hidden.
     fn look_by_pieces(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         let mut seen = self.look_at_each(vertex, parted);
         let mut rest = usable;
@@ -177,7 +206,8 @@ impl<'a> Reader<'a> {
             let together = piece & !parted;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
             let Some(heaviest) = bits(together).max_by(heavier) else { continue };
-            if piece == usable || self.sees(vertex, heaviest) {
+            let trusted = piece == usable && parted & !seen == 0;
+            if trusted || self.sees(vertex, heaviest) {
                 seen |= together;
             }
         }
@@ -223,7 +253,8 @@ impl<'a> Reader<'a> {
         });
         self.links = links(&self.clearances);
         self.enclosed = enclosed(&self.clearances);
-        self.room.0 = usize::MAX;
+        self.blocked = blocked(&self.clearances, self.filled);
+        self.known = 0;
         self.whole = (0, true);
     }
 }
