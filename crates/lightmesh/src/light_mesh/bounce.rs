@@ -193,7 +193,7 @@ impl IndirectField {
                 linked.complete = true;
                 for vertex in &gather.lit.vertices {
                     corners.clear();
-                    match reader.read(vertex, marks, |_, index, weight| corners.push((index, weight))) {
+                    match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
                         Outcome::Read => linked.transfers.push(Transfer {
                             from: choose(corners.iter().copied(), seed_of_place(vertex.position)),
                             n: vertex.n,

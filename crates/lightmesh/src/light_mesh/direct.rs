@@ -7,7 +7,7 @@ use super::clearance::Clearance;
 use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
 use super::marks::Marks;
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Outcome, Reader, Sight};
@@ -95,13 +95,20 @@ impl DirectField {
 
     /// A reader for one thread.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> DirectReader<'a> {
-        let folded = [Folded { index: u32::MAX, visible: Vec4::ZERO, all: Vec4::ZERO }; 8];
-        DirectReader { field: self, reader: self.points.reader(scene, sight), n: Vec3::ZERO, folded }
+        DirectReader {
+            field: self,
+            reader: self.points.reader(scene, sight),
+            n: Vec3::ZERO,
+            visits: 0,
+            known: 0,
+            visible: [Vec4::ZERO; 8],
+            all: [Vec4::ZERO; 8],
+        }
     }
 
-    /// What a point knows about a surface of normal `n`.
+    /// Visible and unshadowed light of a point, as a surface of normal `n` counts it.
     #[inline(always)]
-    fn fold(&self, index: u32, n: Vec3) -> Folded {
+    fn fold(&self, index: u32, n: Vec3) -> (Vec4, Vec4) {
         match self.field {
             Field::SixAxis { .. } => {
                 let values = &self.values[index as usize * 12..][..12];
@@ -109,11 +116,11 @@ impl DirectField {
                 let [x, y, z] = sides.map(|side| 2 * side);
                 let visible = values[x] * squares.x + values[y] * squares.y + values[z] * squares.z;
                 let all = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
-                Folded { index, visible, all }
+                (visible, all)
             }
             Field::Scalar { .. } => {
                 let values = &self.values[index as usize * 2..][..2];
-                Folded { index, visible: values[0], all: values[1] }
+                (values[0], values[1])
             }
         }
     }
@@ -183,42 +190,60 @@ impl Axes {
 pub(crate) struct DirectReader<'a> {
     field: &'a DirectField,
     reader: Reader<'a>,
-    /// The normal that the corners' light has been summed for.
+    /// For which normal and which visit of a cell corners are known, and which of them.
     n: Vec3,
-    folded: [Folded; 8],
-}
-
-/// Visible and unshadowed light of a point, summed over the axes that a normal faces.
-#[derive(Clone, Copy, Debug)]
-struct Folded {
-    index: u32,
-    visible: Vec4,
-    all: Vec4,
+    visits: u64,
+    known: u8,
+    /// By corner, summed over the axes that the normal faces; 0 where it is not known.
+    visible: [Vec4; 8],
+    all: [Vec4; 8],
 }
 
 impl DirectReader<'_> {
     /// Ĩ(y), formula (3g); points that are still empty are marked.
     #[inline(always)]
     pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
-        let Self { field, reader, n, folded } = self;
-        if *n != vertex.n {
-            *n = vertex.n;
-            folded.iter_mut().for_each(|corner| corner.index = u32::MAX);
-        }
         let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
-        let outcome = reader.read(vertex, marks, |place, index, weight| {
-            let corner = &mut folded[place];
-            if corner.index != index {
-                *corner = field.fold(index, vertex.n);
-            }
-            visible += corner.visible * weight;
-            all += corner.all * weight;
-        });
-        match outcome {
-            Outcome::Read => ratio(visible.truncate(), all.truncate()),
-            Outcome::Nothing => Reading::Nothing,
-            Outcome::Empty => Reading::Empty,
+        if !self.reader.reads_cells() {
+            let outcome = self.reader.read(vertex, marks, |index, weight| {
+                let point = self.field.fold(index, vertex.n);
+                visible += point.0 * weight;
+                all += point.1 * weight;
+            });
+            return match outcome {
+                Outcome::Read => ratio(visible.truncate(), all.truncate()),
+                Outcome::Nothing => Reading::Nothing,
+                Outcome::Empty => Reading::Empty,
+            };
         }
+        let seen = match self.reader.corners(vertex, marks) {
+            Ok(seen) => seen,
+            Err(Outcome::Empty) => return Reading::Empty,
+            Err(_) => return Reading::Nothing,
+        };
+        self.know(seen.mask, vertex.n);
+        // All eight: a corner that is not seen has no weight.
+        for (z, weights) in seen.weights.iter().enumerate() {
+            let corners = self.visible[4 * z..].iter().zip(&self.all[4 * z..]);
+            for ((v, a), weight) in corners.zip(weights.to_array()) {
+                visible += v * weight;
+                all += a * weight;
+            }
+        }
+        ratio(visible.truncate(), all.truncate())
+    }
+
+    /// Sums up the corners of `mask` for a normal, those that are not known yet.
+    #[inline(always)]
+    fn know(&mut self, mask: u8, n: Vec3) {
+        if self.n != n || self.visits != self.reader.visits() {
+            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+            (self.visible, self.all) = ([Vec4::ZERO; 8], [Vec4::ZERO; 8]);
+        }
+        for k in bits(mask & !self.known) {
+            (self.visible[k], self.all[k]) = self.field.fold(self.reader.index(k), n);
+        }
+        self.known |= mask;
     }
 
     /// Rays shot so far to find out which points vertices see.

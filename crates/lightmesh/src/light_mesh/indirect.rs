@@ -14,7 +14,7 @@ use glam::{Vec3, Vec4};
 use super::direct::Axes;
 use super::lattice::Lattice;
 use super::marks::Marks;
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
 use super::reader::{Outcome, Reader, Sight};
 use crate::integrator::Vertex;
@@ -113,9 +113,15 @@ impl IndirectField {
 
     /// A reader for one thread of what `bounces` reflections bring.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: Sight) -> IndirectReader<'a> {
-        let reader = self.points.reader(scene, sight);
-        let level = &self.levels[bounces as usize];
-        IndirectReader { field: self, level, reader, n: Vec3::ZERO, folded: [(u32::MAX, Vec4::ZERO); 8] }
+        IndirectReader {
+            field: self,
+            level: &self.levels[bounces as usize],
+            reader: self.points.reader(scene, sight),
+            n: Vec3::ZERO,
+            visits: 0,
+            known: 0,
+            corners: [Vec4::ZERO; 8],
+        }
     }
 
     /// An estimate of what bounces after the last one would add, as a part of all light that arrives: the last bounces' ratio
@@ -145,35 +151,59 @@ pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
     level: &'a [Vec4],
     reader: Reader<'a>,
-    /// The normal that the corners' light has been summed for.
+    /// For which normal and which visit of a cell corners are known, and which of them.
     n: Vec3,
-    /// By corner: the point, and its irradiance.
-    folded: [(u32, Vec4); 8],
+    visits: u64,
+    known: u8,
+    /// Their irradiance; 0 where it is not known.
+    corners: [Vec4; 8],
 }
 
 impl IndirectReader<'_> {
     /// Ĩ_d(y), formula (6); points that are still empty are marked.
     #[inline(always)]
     pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
-        let Self { field, level, reader, n, folded } = self;
-        if *n != vertex.n {
-            *n = vertex.n;
-            folded.iter_mut().for_each(|corner| corner.0 = u32::MAX);
+        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
+        if !self.reader.reads_cells() {
+            let axes = Axes::facing(vertex.n);
+            let outcome = self.reader.read(vertex, marks, |index, weight| {
+                sum += self.field.irradiance(self.level, index, &axes) * weight;
+                total += weight;
+            });
+            return match outcome {
+                Outcome::Read => IndirectReading::Irradiance(sum.truncate() / total),
+                Outcome::Nothing => IndirectReading::Nothing,
+                Outcome::Empty => IndirectReading::Empty,
+            };
         }
-        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
-        let outcome = reader.read(vertex, marks, |place, index, weight| {
-            let corner = &mut folded[place];
-            if corner.0 != index {
-                *corner = (index, field.irradiance(level, index, &Axes::facing(vertex.n)));
+        let seen = match self.reader.corners(vertex, marks) {
+            Ok(seen) => seen,
+            Err(Outcome::Empty) => return IndirectReading::Empty,
+            Err(_) => return IndirectReading::Nothing,
+        };
+        self.know(seen.mask, vertex.n);
+        // All eight: a corner that is not seen has no weight.
+        for (z, weights) in seen.weights.iter().enumerate() {
+            for (corner, weight) in self.corners[4 * z..].iter().zip(weights.to_array()) {
+                sum += corner * weight;
+                total += weight;
             }
-            sum += corner.1 * weight;
-            weights += weight;
-        });
-        match outcome {
-            Outcome::Read => IndirectReading::Irradiance(sum.truncate() / weights),
-            Outcome::Nothing => IndirectReading::Nothing,
-            Outcome::Empty => IndirectReading::Empty,
         }
+        IndirectReading::Irradiance(sum.truncate() / total)
+    }
+
+    /// Sums up the corners of `mask` for a normal, those that are not known yet.
+    #[inline(always)]
+    fn know(&mut self, mask: u8, n: Vec3) {
+        if self.n != n || self.visits != self.reader.visits() {
+            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+            self.corners = [Vec4::ZERO; 8];
+        }
+        let axes = Axes::facing(n);
+        for k in bits(mask & !self.known) {
+            self.corners[k] = self.field.irradiance(self.level, self.reader.index(k), &axes);
+        }
+        self.known |= mask;
     }
 
     /// Rays shot so far to find out which points vertices see.

@@ -35,6 +35,7 @@ pub(crate) struct Reader<'a> {
     /// The last set of corners that was wanted, and whether it is in one piece.
     whole: (u8, bool),
     sight: Sight,
+    visits: u64,
     sight_rays: u64,
 }
 
@@ -59,6 +60,26 @@ pub(crate) enum Outcome {
     Empty,
 }
 
+/// Corners that a vertex sees.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// A bit each; not 0.
+    pub mask: u8,
+    /// φ4 by corner; 0 for the others.
+    pub weights: ByCorner,
+}
+
+/// 1 for each bit that is set.
+const ONES: [Vec4; 16] = {
+    let mut ones = [Vec4::ZERO; 16];
+    let mut i = 0;
+    while i < 16 {
+        ones[i] = Vec4::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32, (i >> 3 & 1) as f32);
+        i += 1;
+    }
+    ones
+};
+
 impl<'a> Reader<'a> {
     pub(super) fn new(scene: &'a Scene, points: &'a Points, sight: Sight) -> Self {
         Self {
@@ -77,8 +98,15 @@ impl<'a> Reader<'a> {
             known: 0,
             whole: (0, true),
             sight,
+            visits: 0,
             sight_rays: 0,
         }
+    }
+
+    /// Whether vertices read the corners of their cells.
+    #[inline(always)]
+    pub(super) fn reads_cells(&self) -> bool {
+        self.points.neighbourhood == Neighbourhood::Trilinear
     }
 
     /// Rays shot so far to find out which points vertices see.
@@ -86,12 +114,10 @@ impl<'a> Reader<'a> {
         self.sight_rays
     }
 
-    /// Hands out (place, index, φ4) of every point of D_y, if all of them have been evaluated; the place is that of the corner in
-    /// the cell, below 8, the same as long as the cell is.
-    /// Those that are still empty are
+    /// Hands out (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
     /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(usize, u32, f32)) -> Outcome {
+    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
         let points = self.points;
         if points.neighbourhood == Neighbourhood::Trilinear {
             return self.read_cell(vertex, marks, take);
@@ -102,7 +128,7 @@ impl<'a> Reader<'a> {
             match slot {
                 Slot::Filled(index) => {
                     any = true;
-                    take(index as usize % 8, index, 1.0);
+                    take(index, 1.0);
                 }
                 Slot::Invalid => {}
                 Slot::Empty => {
@@ -124,8 +150,21 @@ impl<'a> Reader<'a> {
     }
 
     /// [`Self::read`] for the corners of the vertex' cell.
-    #[inline]
-    fn read_cell(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(usize, u32, f32)) -> Outcome {
+    #[inline(always)]
+    fn read_cell(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
+        let seen = match self.corners(vertex, marks) {
+            Ok(seen) => seen,
+            Err(outcome) => return outcome,
+        };
+        for k in bits(seen.mask) {
+            take(self.index(k), seen.weights[k / 4][k % 4]);
+        }
+        Outcome::Read
+    }
+
+    /// The corners of the vertex' cell that it sees; otherwise what became of the read. Which cell it is, [`Self::visits`] tells.
+    #[inline(always)]
+    pub(super) fn corners(&mut self, vertex: &Vertex, marks: &Marks) -> Result<Seen, Outcome> {
         let stencil = trilinear(&self.points.lattice, vertex);
         if stencil.cell != self.cell {
             self.enter(stencil.cell);
@@ -136,23 +175,37 @@ impl<'a> Reader<'a> {
                 self.points.mark(corner(self.cell, k), marks);
             }
             self.marked |= empty;
-            return Outcome::Empty;
+            return Err(Outcome::Empty);
         }
         let usable = stencil.read & self.filled;
         if usable == 0 {
-            return Outcome::Nothing;
+            return Err(Outcome::Nothing);
         }
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
         let parted = self.parted(vertex, &stencil) & usable;
-        let seen = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
-        for k in bits(seen) {
-            if let Slot::Filled(index) = self.slots[k] {
-                take(k, index, stencil.weight(k));
-            }
+        let mask = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
+        if mask == 0 {
+            return Err(Outcome::Nothing);
         }
-        if seen == 0 { Outcome::Nothing } else { Outcome::Read }
+        let [lower, upper] = stencil.weights;
+        Ok(Seen { mask, weights: [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]] })
+    }
+
+    /// How many cells have been entered: as long as it stays, the corners are the same points.
+    #[inline(always)]
+    pub(super) fn visits(&self) -> u64 {
+        self.visits
+    }
+
+    /// The index of corner k, which is filled.
+    #[inline(always)]
+    pub(super) fn index(&self, k: usize) -> u32 {
+        match self.slots[k] {
+            Slot::Filled(index) => index,
+            Slot::Empty | Slot::Invalid => unreachable!("corners that are read are filled"),
+        }
     }
 
     /// The corners that may have something between them and the vertex.
@@ -242,6 +295,7 @@ impl<'a> Reader<'a> {
     /// Looks up the corners of another cell.
     fn enter(&mut self, cell: Coordinate) {
         self.cell = cell;
+        self.visits += 1;
         self.slots = self.points.slots(cell);
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
