@@ -73,7 +73,8 @@ fn a_metal_mirror_shows_the_emitter_times_its_colour() {
     let mut data = SceneData::default();
     let gold = Vec3::new(1.0, 0.7, 0.3);
     panel(&mut data, 0.0, Material { base_color: gold, metallic: 1.0, roughness: 0.0, ..Material::default() });
-    panel(&mut data, 4.0, Material { base_color: Vec3::ZERO, emission: Vec3::splat(5.0), ..Material::default() });
+    let lamp = Material { base_color: Vec3::ZERO, emission: Vec3::splat(5.0), ..Material::default() };
+    panel(&mut data, 4.0, Material { double_sided: true, ..lamp });
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::ZERO, 0.01);
     for method in TRACERS {

@@ -53,7 +53,8 @@ impl LampSampler {
         let d = point.position - vertex.position;
         let r2 = d.length_squared();
         let direction = d / r2.sqrt();
-        let (cos, cos_light) = (vertex.n.dot(direction), point.normal.dot(direction).abs());
+        let (cos, ahead) = (vertex.n.dot(direction), -point.normal.dot(direction));
+        let cos_light = if point.two_sided { ahead.abs() } else { ahead };
         if cos.is_nan() || cos <= 0.0 || cos_light <= 0.0 {
             return Vec3::ZERO;
         }

@@ -99,7 +99,9 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     if material.unlit {
         return Surface { emission: base, ..plain(place, n, coverage) };
     }
-    let emission = emission_of(scene.data(), material, place.uvs);
+    // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area lights.
+    let shines = place.front || material.double_sided;
+    let emission = if shines { emission_of(scene.data(), material, place.uvs) } else { Vec3::ZERO };
     let lambert = Surface { emission, lights: emission, diffuse: base, ..plain(place, n, coverage) };
     if material.is_lambert() {
         return lambert;

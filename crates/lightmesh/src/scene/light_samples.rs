@@ -10,7 +10,7 @@
 //! | spot | the same × (clamp((cosθ − cos outer) / (cos inner − cos outer)))² |
 //! | with a range R | the same × clamp(1 − (r / R)⁴) |
 //! | directional | 1, d the unit vector towards the light |
-//! | patch of area A that faces a, φ = r² | cosθ_a / (r (r² + A / π)), cosθ_a = \|a · d\| / r |
+//! | patch of area A that faces a, φ = r² | cosθ_a / (r (r² + A / π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
 //! | patch, φ = Const + r | cosθ_a / ((Const + r) r) |
 //!
 //! A/π keeps a patch finite on surfaces close to it: on the axis of a disk of area A, I / (r² + A / π) is exact.
@@ -69,10 +69,12 @@ struct Extra {
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 struct Facing {
-    /// Its normal.
+    /// The normal of the side that shines.
     ax: [f32; LANES],
     ay: [f32; LANES],
     az: [f32; LANES],
+    /// 0, or −1 for a patch that shines from both sides.
+    back: [f32; LANES],
     /// A / π, square metres.
     spread: [f32; LANES],
 }
@@ -281,7 +283,8 @@ fn patch_lanes<S: Simd>(simd: S, block: &Block, facing: &Facing, falloff: Fallof
     let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
-    let cos = (dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)).abs() / r;
+    let ahead = -(dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)) / r;
+    let cos = ahead.max(ahead * load(&facing.back));
     let f = match falloff {
         Falloff::InverseSquare => cos / ((r2 + load(&facing.spread)) * r),
         Falloff::ConstantPlusDistance { .. } => attenuation(falloff, r2, r) * cos,
@@ -335,6 +338,7 @@ fn facing(patches: &[Patch]) -> Facing {
         ax: std::array::from_fn(|i| lane(i, |p| p.normal.x)),
         ay: std::array::from_fn(|i| lane(i, |p| p.normal.y)),
         az: std::array::from_fn(|i| lane(i, |p| p.normal.z)),
+        back: std::array::from_fn(|i| lane(i, |p| if p.two_sided { -1.0 } else { 0.0 })),
         spread: std::array::from_fn(|i| lane(i, |p| p.area * std::f32::consts::FRAC_1_PI)),
     }
 }

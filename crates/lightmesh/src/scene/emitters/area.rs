@@ -45,6 +45,8 @@ pub(crate) struct AreaPoint {
     pub normal: Vec3,
     /// cd/m² per channel.
     pub emission: Vec3,
+    /// Whether its back shines as well.
+    pub two_sided: bool,
     /// Density over area, 1/m².
     pub pdf: f32,
 }
@@ -107,6 +109,7 @@ impl AreaLights {
         if self.lights.is_empty() {
             return;
         }
+        let two_sided = |light: &AreaLight| data.materials[light.material].double_sided;
         let flux: f64 = self
             .lights
             .iter()
@@ -117,8 +120,7 @@ impl AreaLights {
                 } else {
                     0.0
                 };
-                // Both sides shine.
-                2.0 * PI * of
+                PI * of * if two_sided(light) { 2.0 } else { 1.0 }
             })
             .sum();
         let wall = (flux + other_flux) / (PI * surface_area(data));
@@ -177,7 +179,13 @@ impl AreaLights {
         let u = before + whole * (f64::from(i) + 0.5) / f64::from(n);
         let point = self.point_at(data, start..end, u, radical_inverse(i))?;
         let area = (1.0 / (f64::from(point.pdf) / whole * f64::from(n))) as f32;
-        let patch = Patch { position: point.position, normal: point.normal, intensity_cd: point.emission * area, area };
+        let patch = Patch {
+            position: point.position,
+            normal: point.normal,
+            intensity_cd: point.emission * area,
+            area,
+            two_sided: point.two_sided,
+        };
         (patch.intensity_cd != Vec3::ZERO).then_some(LightSample::Patch(patch))
     }
 
@@ -195,6 +203,7 @@ impl AreaLights {
             position: point.position,
             normal: point.normal,
             emission: emission_of(data, material, point.uvs),
+            two_sided: material.double_sided,
             pdf: (share / f64::from(element.area(data))) as f32,
         })
     }

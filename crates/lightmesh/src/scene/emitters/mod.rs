@@ -8,8 +8,8 @@
 //! | environment | N directions, more where it is bright ([`EnvironmentLight`]) |
 //!
 //! Emission of surfaces no brighter than lit walls is left to gather rays (`gathered`), and that of user-defined shapes, which
-//! cannot be sampled. Surfaces shine from both sides, as they shade: which side is the front, files cannot be trusted about.
-//! Unlit surfaces show and light nothing.
+//! cannot be sampled. Double-sided surfaces shine from both sides, the others from their front. Unlit surfaces show and light
+//! nothing.
 
 mod area;
 pub(crate) mod ball;
@@ -44,12 +44,14 @@ pub(crate) enum LightSample {
 pub(crate) struct Patch {
     /// Metres.
     pub position: Vec3,
-    /// Unit; both sides shine.
+    /// Unit; the side that shines.
     pub normal: Vec3,
     /// Along the normal, candela: radiance times area.
     pub intensity_cd: Vec3,
     /// Square metres.
     pub area: f32,
+    /// Whether the other side shines as well.
+    pub two_sided: bool,
 }
 
 /// The emitters of a scene.
