@@ -19,7 +19,7 @@ pub enum Method {
 /// Distance between neighbouring mesh points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// The longest edge of the scene's box / 40, for the indirect mesh / 30.
+    /// The longest edge of the scene's box / 64, for the indirect mesh / 30.
     #[default]
     Auto,
     /// The longest edge of the scene's box divided by this; > 0.
@@ -29,8 +29,10 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Cells along the longest edge by default: of the direct and of the indirect mesh.
-    pub(crate) const AUTO: f32 = 40.0;
+    /// Cells along the longest edge by default: of the direct and of the indirect mesh. Measured on the room of 15 lights, all of
+    /// its light at 512 × 512, with 1/40, 1/56 and 1/80 of it in the direct mesh: error 5.0, 4.8 and 4.6%; what it takes goes
+    /// to the indirect mesh for the most part.
+    pub(crate) const AUTO: f32 = 64.0;
     pub(crate) const AUTO_INDIRECT: f32 = 30.0;
 }
 

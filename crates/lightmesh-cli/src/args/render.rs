@@ -67,7 +67,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().seed, help_heading = "Light")]
     seed: u64,
 
-    /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/40)
+    /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     spacing: Spacing,
     /// Distance between points of the indirect mesh; auto is 1/30

@@ -11,13 +11,22 @@ pub(crate) struct Sampler {
     index: u32,
     seed: u32,
     dimension: u32,
+    choices: u32,
 }
 
 impl Sampler {
     /// Numbers for the `sample`-th path of its pixel.
     pub(crate) fn new(seed: u64, pixel: u32, sample: u32) -> Self {
         let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ pixel);
-        Self { index: sample, seed, dimension: 0 }
+        Self { index: sample, seed, dimension: 0, choices: 0 }
+    }
+
+    /// Numbers for one of `count` paths that this one splits into: all of a pixel's are one set.
+    pub(crate) fn branch(&self, branch: u32, count: u32) -> Self {
+        // Sets have at most 2¹⁶ points.
+        let index = u64::from(self.index) * u64::from(count) + u64::from(branch);
+        let seed = hash(self.seed.wrapping_add(1 + (index >> 16) as u32));
+        Self { index: index as u32 & 0xffff, seed, dimension: 0, choices: 0 }
     }
 
     /// The next number, in [0, 1).
@@ -26,6 +35,13 @@ impl Sampler {
         let x = sobol_burley::sample(self.index, self.dimension % 4, self.seed.wrapping_add(hash(group)));
         self.dimension += 1;
         x
+    }
+
+    /// A number in [0, 1) that takes no dimension of the sequence: for choices, of which most have one way to go.
+    pub(crate) fn choice(&mut self) -> f32 {
+        self.choices += 1;
+        let bits = hash(hash(self.seed ^ hash(self.index)).wrapping_add(self.choices));
+        (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
     }
 
     /// The next two numbers, from one stratified pair.

@@ -1,5 +1,9 @@
 //! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose light
 //! arrives there. The sum of formula (4) over evenly spread directions.
+//!
+//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light over a plane is
+//! a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light with them: the kernel's
+//! tails reach beyond finite walls.
 
 use std::f32::consts::{PI, TAU};
 
