@@ -22,7 +22,8 @@ const POINTS_AT_ONCE: usize = 256;
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
     /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the rays
-    /// is the mean over the corners, at an eighth of the reads.
+    /// is the mean over the corners, at an eighth of the reads. [`Transfer::NOWHERE`] where there is none to read, as in a
+    /// narrow gap: such surfaces get the mean of what the others do, for they must not swallow light.
     from: u32,
     /// The surface's normal.
     n: Vec3,
@@ -30,6 +31,10 @@ struct Transfer {
     weight: Vec3,
     /// Irradiance on the sides per unit of radiance (see [`Gather::sphere`]).
     lobe: Vec3,
+}
+
+impl Transfer {
+    const NOWHERE: u32 = u32::MAX;
 }
 
 /// The transfers of one point, as far as they are known.
@@ -193,17 +198,19 @@ impl IndirectField {
                 linked.complete = true;
                 for vertex in &gather.lit.vertices {
                     corners.clear();
-                    match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
-                        Outcome::Read => linked.transfers.push(Transfer {
-                            from: choose(corners.iter().copied(), seed_of_place(vertex.position)),
-                            n: vertex.n,
-                            weight: vertex.weight,
-                            lobe: gather.lobes[vertex.pixel as usize],
-                        }),
-                        Outcome::Nothing => {}
-                        Outcome::Empty => linked.complete = false,
-                    }
+                    let from = match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
+                        Outcome::Read => choose(corners.iter().copied(), seed_of_place(vertex.position)),
+                        Outcome::Nothing => Transfer::NOWHERE,
+                        Outcome::Empty => {
+                            linked.complete = false;
+                            continue;
+                        }
+                    };
+                    let lobe = gather.lobes[vertex.pixel as usize];
+                    linked.transfers.push(Transfer { from, n: vertex.n, weight: vertex.weight, lobe });
                 }
+                // Stable: the sums keep the order of the rays.
+                linked.transfers.sort_by_key(|t| t.from != Transfer::NOWHERE);
                 linked.sight_rays += reader.sight_rays();
             });
             if links.iter().all(|linked| linked.complete) {
@@ -233,9 +240,16 @@ impl IndirectField {
                 .map(|(transfers, once)| {
                     let mut values = [Vec4::ZERO; 6];
                     values[..sides].copy_from_slice(once);
-                    for t in transfers {
+                    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+                    let (nowhere, read) =
+                        transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NOWHERE));
+                    for t in read {
                         let irradiance = field.irradiance(below, t.from, &Axes::facing(t.n)).truncate();
                         field.splat(&mut values, t.lobe, t.weight * irradiance);
+                        (sum, count) = (sum + irradiance, count + 1.0);
+                    }
+                    for t in nowhere {
+                        field.splat(&mut values, t.lobe, t.weight * sum / f32::max(count, 1.0));
                     }
                     values
                 })

@@ -58,7 +58,8 @@ impl IndirectField {
         Ok(irradiance)
     }
 
-    /// The irradiance of each gather's surface. Where a hit cannot read the mesh in its turn, it reflects direct light alone.
+    /// The irradiance of each gather's surface. Hits that cannot read the mesh in their turn lie in the same gap as
+    /// the surface, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
     fn sum(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
@@ -74,18 +75,17 @@ impl IndirectField {
                     let mut reader = field.reader(direct.scene, bounces.saturating_sub(1), Sight::One);
                     let lobe = |ray: u32| gather.lobes[ray as usize].x;
                     let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
-                    let mut complete = true;
+                    let (mut gap, mut complete) = (Vec3::ZERO, true);
                     for (vertex, &direct) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
-                        let indirect = match reader.read(vertex, marks) {
-                            IndirectReading::Irradiance(irradiance) => irradiance,
-                            IndirectReading::Nothing => Vec3::ZERO,
-                            IndirectReading::Empty => {
-                                complete = false;
-                                continue;
-                            }
-                        };
-                        sum += vertex.weight * (direct + indirect) * lobe(vertex.pixel);
+                        let weight = vertex.weight * lobe(vertex.pixel);
+                        sum += weight * direct;
+                        match reader.read(vertex, marks) {
+                            IndirectReading::Irradiance(irradiance) => sum += weight * irradiance,
+                            IndirectReading::Nothing => gap += weight,
+                            IndirectReading::Empty => complete = false,
+                        }
                     }
+                    let sum = geometric_series(gap, bounces) * sum;
                     (complete.then_some(sum), reader.sight_rays())
                 })
                 .collect();
@@ -96,4 +96,9 @@ impl IndirectField {
             self.fill(direct, marks)?;
         }
     }
+}
+
+/// 1 + q + q² … + qⁿ, n at most 64: q is an albedo at most, and 0.9 to that power a thousandth.
+fn geometric_series(q: Vec3, n: u32) -> Vec3 {
+    (0..n.min(64)).fold(Vec3::ONE, |sum, _| sum * q + Vec3::ONE)
 }

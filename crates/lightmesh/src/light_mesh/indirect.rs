@@ -124,8 +124,8 @@ impl IndirectField {
         }
     }
 
-    /// An estimate of what bounces after the last one would add, as a part of all light that arrives: the last bounces' ratio
-    /// goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
+    /// An estimate of what bounces after the last one would add, as a part of all light that arrives, their own included: the
+    /// last bounces' ratio goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
     pub(crate) fn left_out(&self, bounces: u32) -> Option<f64> {
         let mean = |level: usize| {
             let values = &self.levels[level];
@@ -141,7 +141,11 @@ impl IndirectField {
         let last = mean(n) - mean(n - 1);
         let before = if n == 1 { direct + mean(0) } else { mean(n - 1) - mean(n - 2) };
         let ratio = last / before;
-        if last <= 0.0 { Some(0.0) } else { (ratio < 1.0).then(|| last * ratio / (1.0 - ratio) / total) }
+        if last <= 0.0 {
+            return Some(0.0);
+        }
+        let rest = last * ratio / (1.0 - ratio);
+        (ratio < 1.0).then(|| rest / (total + rest))
     }
 }
 

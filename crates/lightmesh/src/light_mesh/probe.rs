@@ -24,9 +24,13 @@ const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, V
 /// Rays that [`probe`] shoots.
 pub(super) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 
-/// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid.
+/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
+/// planes have such points; rounding puts them within 2⁻¹⁷ of the scene's box, 1/8 of this for 2¹⁰ cells along it.
+const ON_SURFACE: f32 = 1.0 / 1024.0;
+
+/// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a surface.
 pub(super) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
-    if is_inside(scene, x) {
+    if is_inside(scene, x, ON_SURFACE * spacing) {
         return None;
     }
     Some(Clearance::new(SIDES.map(|side| {
@@ -42,12 +46,16 @@ pub(super) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
     })))
 }
 
-/// Whether most of what the point sees are back faces of one-sided surfaces.
-fn is_inside(scene: &Scene, x: Vec3) -> bool {
+/// Whether most of what the point sees are back faces of one-sided surfaces, or it lies on a surface, no farther than `near` metres
+/// from it.
+fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
-        let ray = Ray::new(x, direction);
+        let ray = Ray::new(x - direction * near, direction);
         if let Some(hit) = scene.bvh().closest(&ray) {
+            if hit.t < 2.0 * near {
+                return true;
+            }
             if is_back_face(scene, &ray, &hit) { back += 1 } else { front += 1 }
         }
     }
