@@ -37,7 +37,7 @@ fn metadata() -> Metadata {
 
 fn exr(precision: Precision) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    write_exr(&mut bytes, &image(), precision, &metadata()).unwrap();
+    write_exr(&mut bytes, &image(), &[], precision, &metadata()).unwrap();
     bytes.into_inner()
 }
 
