@@ -33,9 +33,9 @@ pub enum Aov {
     /// The part, by weight, of the points of the direct mesh which surfaces ask for that they can use, in [0, 1]; 0: shadow rays
     /// are shot instead. 1 where nothing is asked: no surface, no diffuse one, or one that faces no light.
     MeshValid,
-    /// A picture of the meshes' points over the dimmed albedo, display colours in [0, 1] (linear): see [`docs/aov.md`].
-    ///
-    /// [`docs/aov.md`]: https://github.com/lightmesh/lightmesh/blob/main/docs/aov.md
+    /// A picture of the meshes' points over the grey scene, display colours in [0, 1] (linear): green those of the direct mesh,
+    /// blue of the indirect one, and where they are inside solids red and orange. Points that a surface hides are not drawn, but
+    /// for those inside solids just behind it, which shine through.
     Points,
 }
 

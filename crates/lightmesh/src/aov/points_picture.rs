@@ -33,7 +33,7 @@ impl Dots {
 
 /// Radius in pixels: a ball is at least a dot, and one beside the camera does not hide the picture.
 const MIN_RADIUS: f32 = 1.3;
-const MAX_RADIUS: f32 = 12.0;
+const MAX_RADIUS: f32 = 9.0;
 
 /// How much of the picture a ball that shines through a surface hides.
 const HIDDEN_ALPHA: f32 = 0.45;
