@@ -144,8 +144,9 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its 8-bit
-    /// copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and the scene are checked where they grow.
+    /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its
+    /// 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and
+    /// the scene are checked where they grow.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.

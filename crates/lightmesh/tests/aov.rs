@@ -155,7 +155,8 @@ fn a_mirrored_sphere_has_its_own_normal_and_colour() {
     }
 }
 
-/// Four samples of which some hit: colours are averaged with black, the depth is that of the floor at the horizon's side.
+/// Four samples of which some hit: colours are averaged with black, the depth is that of the floor at the horizon's
+/// side.
 #[test]
 fn edges_do_not_average_depth_with_the_background() {
     let mut data = floor(Vec3::splat(0.5));
@@ -172,8 +173,8 @@ fn edges_do_not_average_depth_with_the_background() {
     assert!(partly > 30, "{partly}");
 }
 
-/// The outline of a lamp is sampled anew with 64 samples: layers are of those alone. The lamp, seen from straight below, covers
-/// the same part of a pixel in each of them.
+/// The outline of a lamp is sampled anew with 64 samples: layers are of those alone. The lamp, seen from straight
+/// below, covers the same part of a pixel in each of them.
 #[test]
 fn outlines_of_lamps_have_the_layers_of_their_own_samples() {
     let mut data = floor(Vec3::splat(0.5));
@@ -223,7 +224,7 @@ fn mesh_points_fail_near_obstacles_only() {
     assert!(values(&frame, Aov::MeshLevel).iter().all(|&level| level == 0.0));
 }
 
-/// A ball's own surface, rendered with a mesh whose spacing is larger than a slit: points inside the walls are of no use.
+/// Blocks beside a slit that is narrower than the mesh's spacing: points inside them are of no use.
 #[test]
 fn mesh_points_inside_solids_are_seen_and_fail() {
     let mut data = floor(Vec3::splat(0.5));

@@ -22,9 +22,9 @@ pub enum Precision {
     Half,
 }
 
-/// Writes the picture as channels R, G, B and `layers` as channels with their names before them (`normal.X`), all in one part,
-/// ZIP-compressed scan lines. The depth is 32-bit float whatever the precision: 11 bits are too few to compute with, and half
-/// cannot hold [`lightmesh::Aov::FAR_M`].
+/// Writes the picture as channels R, G, B and `layers` as channels with their names before them (`normal.X`), all in
+/// one part, ZIP-compressed scan lines. The depth is 32-bit float whatever the precision: 11 bits are too few to
+/// compute with, and half cannot hold [`lightmesh::Aov::FAR_M`].
 ///
 /// Beside the standard attributes (`chromaticities` Rec. 709 with D65, `whiteLuminance` 1 because the values are cd/m²,
 /// `software`, `worldToCamera`, `worldToNDC`, `screenWindowWidth`) it carries `method`, `scene`, `settings` (JSON),

@@ -8,8 +8,8 @@ use super::{Aov, Aovs, Layer};
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
     collected: Aovs,
-    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the most, for [`Aov::MeshValid`] what is
-    /// missing to 1.
+    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the most, for [`Aov::MeshValid`] what
+    /// is missing to 1.
     values: [Vec<f32>; Aov::ALL.len()],
     /// How much of the samples' weight hit something: what depths are divided by.
     hit: Vec<f32>,
@@ -50,8 +50,8 @@ impl Layers {
         }
     }
 
-    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of what it asked for,
-    /// in a cell of refinement `level`.
+    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of what it
+    /// asked for, in a cell of refinement `level`.
     pub(crate) fn add_reading(&mut self, pixel: u32, weight: f32, usable: f32, level: u32) {
         if let Some(missing) = self.values[Aov::MeshValid as usize].get_mut(pixel as usize) {
             *missing += weight * (1.0 - usable);
@@ -85,7 +85,8 @@ impl Layers {
         }
     }
 
-    /// The finished layers, of sums that are means but for depth, in the order of [`Aov::ALL`]; [`Aov::Points`] is black.
+    /// The finished layers, of sums that are means but for depth, in the order of [`Aov::ALL`]; [`Aov::Points`] is
+    /// black.
     pub(crate) fn finish(mut self) -> Vec<Layer> {
         for (depth, hit) in self.values[Aov::Depth as usize].iter_mut().zip(&self.hit) {
             *depth = if *hit > 0.0 { *depth / hit } else { Aov::FAR_M };

@@ -8,34 +8,37 @@ pub(crate) use points_picture::{Dots, paint};
 
 use crate::Method;
 
-/// A layer that a picture may have beside its light. Every value is the mean over the pixel's samples (a box filter of one
-/// pixel) of what they meet first: mirrors and glass are surfaces like others here, and where a BLEND surface covers a part, it
-/// counts for that part and what lies behind it for the rest.
+/// A layer that a picture may have beside its light. Every value is the mean over the pixel's samples (a box filter of
+/// one pixel) of what they meet first: mirrors and glass are surfaces like others here, and where a BLEND surface
+/// covers a part, it counts for that part and what lies behind it for the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Aov {
-    /// The fraction of light that the surface sends on, linear RGB in [0, 1]: its diffuse albedo, and where it is a mirror or
-    /// glass the weights of the mirrored and the refracted direction besides. Black where nothing is hit and for unlit surfaces.
+    /// The fraction of light that the surface sends on, linear RGB in [0, 1]: its diffuse albedo, and where it is a
+    /// mirror or glass the weights of the mirrored and the refracted direction besides. Black where nothing is hit and
+    /// for unlit surfaces.
     Albedo,
-    /// Shading normal on the viewer's side, world space; shorter than 1 where a pixel sees several, 0 where nothing is hit.
+    /// Shading normal on the viewer's side, world space; shorter than 1 where a pixel sees several, 0 where nothing is
+    /// hit.
     Normal,
-    /// Distance from the camera along the axis that it looks along, metres: the mean over that part of the pixel that hits
-    /// something, and [`Aov::FAR_M`] where nothing does.
+    /// Distance from the camera along the axis that it looks along, metres: the mean over that part of the pixel that
+    /// hits something, and [`Aov::FAR_M`] where nothing does.
     Depth,
-    /// The part of the light, cd/m², that comes from lamps, sky and emission with no diffuse reflection before the one that is
-    /// seen: what shines itself, directly or in mirrors and glass, and the direct light of what is lit.
+    /// The part of the light, cd/m², that comes from lamps, sky and emission with no diffuse reflection before the one
+    /// that is seen: what shines itself, directly or in mirrors and glass, and the direct light of what is lit.
     Direct,
     /// The rest of the light, cd/m²: [`Aov::Direct`] + [`Aov::Indirect`] is the picture but for rounding. All black for
     /// [`Method::Standard`]. The light of emitters that only gather rays find counts here for methods with a mesh.
     Indirect,
-    /// How often the cell of the direct mesh that a surface reads has been refined, the most within the pixel; 0 is the spacing.
+    /// How often the cell of the direct mesh that a surface reads has been refined, the most within the pixel; 0 is the
+    /// spacing.
     MeshLevel,
-    /// The part, by weight, of the points of the direct mesh which surfaces ask for that they can use, in [0, 1]; 0: shadow rays
-    /// are shot instead. 1 where nothing is asked: no surface, no diffuse one, or one that faces no light.
+    /// The part, by weight, of the points of the direct mesh which surfaces ask for that they can use, in [0, 1]; 0:
+    /// shadow rays are shot instead. 1 where nothing is asked: no surface, no diffuse one, or one that faces no light.
     MeshValid,
-    /// A picture of the meshes' points over the grey scene, display colours in [0, 1] (linear): green those of the direct mesh,
-    /// blue of the indirect one, and where they are inside solids red and orange. Points that a surface hides are not drawn, but
-    /// for those inside solids just behind it, which shine through.
+    /// A picture of the meshes' points over the grey scene, display colours in [0, 1] (linear): green those of the
+    /// direct mesh, blue of the indirect one, and where they are inside solids red and orange. Points that a surface
+    /// hides are not drawn, but for those inside solids just behind it, which shine through.
     Points,
 }
 
@@ -74,8 +77,8 @@ impl Aov {
         Self::ALL.into_iter().find(|aov| aov.name() == name)
     }
 
-    /// The names of its channels, in the order of [`Layer::values`]: colours are R, G, B, vectors X, Y, Z, a depth is Z and any
-    /// other single value V.
+    /// The names of its channels, in the order of [`Layer::values`]: colours are R, G, B, vectors X, Y, Z, a depth is Z
+    /// and any other single value V.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Albedo | Self::Direct | Self::Indirect | Self::Points => &["R", "G", "B"],

@@ -14,7 +14,8 @@ pub(crate) struct Dots {
     color: Vec3,
     /// In spacings of the mesh.
     radius: f32,
-    /// Up to which distance behind a surface they shine through it, in spacings: those inside solids are never in sight.
+    /// Up to which distance behind a surface they shine through it, in spacings: those inside solids are never in
+    /// sight.
     shines_through: f32,
 }
 
@@ -50,8 +51,8 @@ struct Ball {
     near: f32,
 }
 
-/// Paints [`Aov::Points`] of `layers`, which hold albedo, normal and depth as well: `points`, each list with the spacing of its
-/// mesh, over the scene. Returns how many rays it took to find out which are in sight.
+/// Paints [`Aov::Points`] of `layers`, which hold albedo, normal and depth as well: `points`, each list with the
+/// spacing of its mesh, over the scene. Returns how many rays it took to find out which are in sight.
 pub(crate) fn paint(
     scene: &Scene,
     (rays, width, height): (&FilmRays, u32, u32),

@@ -49,8 +49,8 @@ impl FirstHits {
         });
     }
 
-    /// Looks up what the mesh, which has been filled for them, answered to the `vertices` among the hits. Returns the rays that
-    /// it took.
+    /// Looks up what the mesh, which has been filled for them, answered to the `vertices` among the hits. Returns the
+    /// rays that it took.
     pub(super) fn read_mesh(
         &mut self,
         scene: &Scene,

@@ -135,8 +135,8 @@ enum Arrival {
     Passed,
 }
 
-/// Which layer has what shines at the end of a path with so many diffuse bounces: after the first one, it is the other half of
-/// the direct light, unless a mirror came between.
+/// Which layer has what shines at the end of a path with so many diffuse bounces: after the first one, it is the other
+/// half of the direct light, unless a mirror came between.
 fn part(bounces: u32, arrival: Arrival) -> Aov {
     match (bounces, arrival) {
         (0, _) | (1, Arrival::Bounced { .. } | Arrival::Passed) => Aov::Direct,

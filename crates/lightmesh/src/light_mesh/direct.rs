@@ -244,8 +244,8 @@ impl DirectReader<'_> {
         ratio(visible.truncate(), all.truncate())
     }
 
-    /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0 where
-    /// [`DirectReader::read`] finds nothing.
+    /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
+    /// where [`DirectReader::read`] finds nothing.
     pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
         match self.read(vertex, marks) {
             Reading::Visibility(_) => usable_part(&mut self.reader, &self.field.points, vertex, marks),

@@ -7,8 +7,8 @@ use super::points::Points;
 use super::reader::Reader;
 use crate::integrator::Vertex;
 
-/// The part, by φ4, of the points of D_y that are no use to a vertex neither because they are inside a solid nor because
-/// something hides them from it; all of them have been evaluated.
+/// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
+/// from it. All of them have been evaluated.
 pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Vertex, marks: &Marks) -> f32 {
     let (mut usable, mut asked) = (0.0, 0.0);
     let visit = |slot: Slot| {
