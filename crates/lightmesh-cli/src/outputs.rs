@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::anyhow;
-use lightmesh::Image;
+use lightmesh::Frame;
 use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
 
 use crate::{exit::Failure, interrupt};
@@ -39,10 +39,15 @@ impl Outputs {
         self.pictures.iter().any(|(_, format)| *format == Format::Png)
     }
 
+    /// Whether any picture can have layers.
+    pub(crate) fn has_exr(&self) -> bool {
+        self.pictures.iter().any(|(_, format)| *format == Format::Exr)
+    }
+
     /// Writes every picture under a temporary name.
     pub(crate) fn stage_pictures(
         &self,
-        image: &Image,
+        frame: &Frame,
         ev: f32,
         precision: Precision,
         metadata: &Metadata,
@@ -51,8 +56,8 @@ impl Outputs {
             .iter()
             .map(|(path, format)| {
                 stage(path, |file| match format {
-                    Format::Png => write_png(file, image, ev, metadata),
-                    Format::Exr => write_exr(file, image, precision, metadata),
+                    Format::Png => write_png(file, &frame.image, ev, metadata),
+                    Format::Exr => write_exr(file, &frame.image, &frame.layers, precision, metadata),
                 })
             })
             .collect()

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use lightmesh::{Camera, LightMesh, Scene, SceneData, soft_environment};
 use lightmesh_io::output::{Metadata, Precision, auto_exposure};
 
@@ -34,6 +34,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         options.check_picture_memory()?;
     }
     let outputs = Outputs::check(&args.output, args.stats.as_deref())?;
+    if !options.aovs.is_empty() && !outputs.has_exr() {
+        return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
+    }
     interrupt::listen();
     if let Some(threads) = args.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
@@ -88,7 +91,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         camera,
     };
     let precision = if args.half { Precision::Half } else { Precision::Single };
-    let pictures = outputs.stage_pictures(&frame.image, ev, precision, &metadata)?;
+    let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
     let stats = Stats {
         version: env!("CARGO_PKG_VERSION"),
         method: method_name(options.method),

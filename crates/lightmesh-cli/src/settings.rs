@@ -1,6 +1,6 @@
 //! The settings of a render as a picture file keeps them.
 
-use lightmesh::{Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
+use lightmesh::{Aov, Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
 use lightmesh_io::Units;
 use serde_json::json;
 
@@ -23,6 +23,7 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
         field_falloff,
         falloff,
         paper_scale,
+        aovs,
         seed,
         max_memory,
     } = options;
@@ -48,6 +49,7 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
             PaperScale::Visibility => "visibility",
             PaperScale::Constant => "constant",
         },
+        "aov": aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
         "seed": seed,
         "max-memory": max_memory,
         "units": match units {
@@ -84,6 +86,7 @@ mod tests {
             spacing: Spacing::Fraction(80.0),
             falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
             interpolation: Interpolation::Sphere { radius: 2.5 },
+            aovs: [Aov::Depth, Aov::Albedo].into_iter().collect(),
             ..RenderOptions::default()
         };
         let text = json(&options, Units::Blender, "hall");
@@ -93,6 +96,7 @@ mod tests {
             r#""interpolation":"sphere:2.5""#,
             r#""size":"1280x720""#,
             r#""camera":"hall""#,
+            r#""aov":"albedo,depth""#,
             r#""cutoff":"0.001""#,
             r#""units":"blender""#,
         ] {

@@ -6,10 +6,10 @@ use std::{io::Cursor, path::Path};
 
 use common::{assert_says, crc32};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding as ExrEncoding, FlatSamples, Layer, LayerAttributes, WritableImage,
+    AnyChannel, AnyChannels, Encoding as ExrEncoding, FlatSamples, Layer as ExrLayer, LayerAttributes, WritableImage,
 };
 use glam::Vec3;
-use lightmesh::{Camera, Image};
+use lightmesh::{Aov, Camera, Image, Layer};
 use lightmesh_io::{
     Encoding, Error,
     output::{Metadata, Precision, tone_map, write_exr, write_png},
@@ -37,7 +37,7 @@ fn metadata() -> Metadata {
 
 fn exr(precision: Precision) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    write_exr(&mut bytes, &image(), precision, &metadata()).unwrap();
+    write_exr(&mut bytes, &image(), &[], precision, &metadata()).unwrap();
     bytes.into_inner()
 }
 
@@ -61,6 +61,49 @@ fn half_exr_keeps_eleven_bits() {
     let picture = read_back("a.exr", &exr(Precision::Half)).unwrap();
     for (a, b) in picture.image.pixels.iter().zip(&image().pixels) {
         assert!(((*a - *b).abs()).cmple(*b / 2048.0).all(), "{a} {b}");
+    }
+}
+
+/// A layer of every kind, each value its own.
+fn layers() -> Vec<Layer> {
+    let values = |aov: Aov| (0..37 * 21 * aov.channels().len()).map(move |i| 0.25 * i as f32 + aov as u8 as f32);
+    let mut layers: Vec<Layer> = Aov::ALL.into_iter().map(|aov| Layer { aov, values: values(aov).collect() }).collect();
+    layers[2].values[5] = Aov::FAR_M;
+    layers
+}
+
+/// By name, as other programs find them; the light stays where readers without layers look for it.
+#[test]
+fn layers_come_back_by_their_names() {
+    for precision in [Precision::Single, Precision::Half] {
+        let mut bytes = Cursor::new(Vec::new());
+        write_exr(&mut bytes, &image(), &layers(), precision, &metadata()).unwrap();
+        let bytes = bytes.into_inner();
+        let plain = read_back("a.exr", &exr(precision)).unwrap();
+        assert_eq!(read_back("a.exr", &bytes).unwrap(), plain);
+
+        let file = exr::prelude::read_all_flat_layers_from_file;
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.exr"), &bytes).unwrap();
+        let read = file(folder.path().join("a.exr")).unwrap();
+        assert_eq!(read.layer_data.len(), 1);
+        let list = &read.layer_data[0].channel_data.list;
+        let names: Vec<String> = list.iter().map(|channel| channel.name.to_string()).collect();
+        assert!(names.is_sorted() && names.len() == 3 + 12 + 3 + 1 + 2, "{names:?}");
+        for Layer { aov, values } in layers() {
+            let count = aov.channels().len();
+            for (first, channel) in aov.channels().iter().enumerate() {
+                let name = format!("{}.{channel}", aov.name());
+                let found = list.iter().find(|channel| channel.name == *name.as_str()).expect(&name);
+                let wanted: Vec<f32> = values.iter().skip(first).step_by(count).copied().collect();
+                let got: Vec<f32> = found.sample_data.values_as_f32().collect();
+                if precision == Precision::Single || aov == Aov::Depth {
+                    assert_eq!(got, wanted, "{name}");
+                } else {
+                    assert!(got.iter().zip(&wanted).all(|(g, w)| (g - w).abs() <= w / 2048.0), "{name}");
+                }
+            }
+        }
     }
 }
 
@@ -109,7 +152,7 @@ fn damaged_files_are_refused_by_name() {
 /// An EXR of one pixel whose header names this many channels.
 fn exr_of_channels(count: usize) -> Vec<u8> {
     let channel = |i| AnyChannel::new(format!("c{i:04}").as_str(), FlatSamples::F32(vec![1.0]));
-    let layer = Layer::new(
+    let layer = ExrLayer::new(
         (1, 1),
         LayerAttributes::named("many"),
         ExrEncoding::FAST_LOSSLESS,

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
+use crate::aov::Layers;
 use crate::geometry::Ray;
 use crate::integrator::{film_samples, hash};
 use crate::scene::FilmRays;
-use crate::{Camera, Image, RenderOptions};
+use crate::{Camera, Image, Layer, RenderOptions};
 
 /// Edge of the square tiles, in pixels, in whose order samples are taken: their rays hit neighbouring surfaces.
 const TILE: u32 = 32;
@@ -22,6 +23,7 @@ pub(crate) struct Film {
     /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
     pixels: Vec<Vec3>,
+    layers: Layers,
     /// What samples saw of each pixel: [`SAW_LAMP`], [`SAW_OTHER`]. Empty where nobody asks.
     seen: Vec<u8>,
     /// The pixels that are sampled anew, ascending, and how many samples each of the others has.
@@ -58,6 +60,7 @@ impl Film {
             seed: options.seed,
             offsets: film_samples(options.spp),
             pixels: vec![Vec3::ZERO; width as usize * height as usize],
+            layers: Layers::new(options.aovs, width as usize * height as usize),
             seen: Vec::new(),
             outlines: None,
         }
@@ -106,6 +109,7 @@ impl Film {
         for &pixel in &outlines {
             self.pixels[pixel as usize] = Vec3::ZERO;
         }
+        self.layers.clear(&outlines);
         self.offsets = film_samples(samples);
         self.outlines = Some((outlines, spp));
         self.seen = Vec::new();
@@ -181,17 +185,40 @@ impl Film {
         self.pixels[pixel as usize] += radiance;
     }
 
-    /// The mean over each pixel's samples.
-    pub(crate) fn into_image(self) -> Image {
+    /// Adds a surface that a sample met first and that covers the part `weight` of it.
+    pub(crate) fn add_surface(&mut self, pixel: u32, weight: f32, albedo: Vec3, normal: Vec3, position: Vec3) {
+        self.layers.add_surface(pixel, weight, albedo, normal, self.rays.depth(position));
+    }
+
+    /// The layers beside the light.
+    pub(crate) fn layers(&mut self) -> &mut Layers {
+        &mut self.layers
+    }
+
+    /// Whether any of them is collected.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.any()
+    }
+
+    /// The camera's rays and the picture's width and height.
+    pub(crate) fn frame(&self) -> (FilmRays, u32, u32) {
+        (self.rays, self.width, self.height)
+    }
+
+    /// The mean over each pixel's samples, and the layers.
+    pub(crate) fn into_image(self) -> (Image, Vec<Layer>) {
         let (outlines, spp) = self.outlines.unwrap_or((Vec::new(), self.offsets.len()));
-        let mut pixels = self.pixels;
+        let (mut pixels, mut layers) = (self.pixels, self.layers);
+        let outline_scale = spp as f32 / self.offsets.len() as f32;
         for &pixel in &outlines {
             // The others are divided by `spp` below.
-            pixels[pixel as usize] *= spp as f32 / self.offsets.len() as f32;
+            pixels[pixel as usize] *= outline_scale;
         }
         let scale = 1.0 / spp as f32;
         pixels.iter_mut().for_each(|p| *p *= scale);
-        Image { width: self.width, height: self.height, pixels }
+        layers.scale(outlines.into_iter(), outline_scale);
+        layers.scale(0..pixels.len() as u32, scale);
+        (Image { width: self.width, height: self.height, pixels }, layers.finish())
     }
 }
 

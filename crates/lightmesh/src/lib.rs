@@ -42,6 +42,7 @@
 
 #![forbid(unsafe_code)]
 
+mod aov;
 pub mod bvh;
 mod error;
 mod film;
@@ -55,6 +56,7 @@ mod progress;
 mod render;
 mod scene;
 
+pub use aov::{Aov, Aovs, Layer};
 pub use error::Error;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use light_mesh::LightMesh;

@@ -1,6 +1,6 @@
 //! What the user may choose; the command line and Python take their defaults from here.
 
-use crate::Error;
+use crate::{Aovs, Error};
 
 /// How light is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -113,6 +113,8 @@ pub struct RenderOptions {
     pub falloff: Falloff,
     /// Scale of Ĩ in [`Method::Paper`].
     pub paper_scale: PaperScale,
+    /// Layers that the picture gets beside its light.
+    pub aovs: Aovs,
     /// Seed of all randomness.
     pub seed: u64,
     /// Limit of what a render may hold in memory, bytes.
@@ -136,6 +138,7 @@ impl Default for RenderOptions {
             field_falloff: Falloff::default(),
             falloff: Falloff::default(),
             paper_scale: PaperScale::default(),
+            aovs: Aovs::default(),
             seed: 0,
             max_memory: 4 << 30,
         }
@@ -143,15 +146,16 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its 8-bit
-    /// copy. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and the scene are checked where they grow.
+    /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its
+    /// 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and
+    /// the scene are checked where they grow.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_picture_memory(&self) -> Result<(), Error> {
         const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
         let pixels = u64::from(self.width) * u64::from(self.height);
-        let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL);
+        let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL + self.aovs.bytes_per_pixel());
         // Pixels are counted in 32 bits.
         if needed_bytes <= self.max_memory && pixels <= u64::from(u32::MAX) {
             return Ok(());
@@ -160,7 +164,11 @@ impl RenderOptions {
             what: "a picture of this size",
             needed_bytes,
             limit_bytes: self.max_memory,
-            advice: "choose a smaller --size",
+            advice: if self.aovs.is_empty() {
+                "choose a smaller --size"
+            } else {
+                "choose a smaller --size or fewer --aov"
+            },
         })
     }
 
@@ -203,6 +211,12 @@ impl RenderOptions {
             {
                 return bad(option, format!("the constant must be 0 metres or more, not {constant}"));
             }
+        }
+        if let Some(aov) = self.aovs.iter().find(|aov| !aov.is_known_to(self.method)) {
+            return bad(
+                "aov",
+                format!("{} shows the light mesh, which only the methods mesh and paper have", aov.name()),
+            );
         }
         if !(self.cutoff >= 0.0 && self.cutoff < 1.0) {
             return bad("cutoff", format!("must be at least 0 and below 1, not {}", self.cutoff));

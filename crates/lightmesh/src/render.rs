@@ -2,15 +2,20 @@
 
 use std::time::Instant;
 
+use glam::Vec3;
+
+use crate::aov::{Dots, paint};
 use crate::film::Film;
 use crate::integrator::{Lighting, render_path, render_waves};
-use crate::{Camera, Error, Image, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
+use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// A finished picture and what it took.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Linear, cd/m².
     pub image: Image,
+    /// The layers of [`RenderOptions::aovs`], in the order of [`Aov::ALL`].
+    pub layers: Vec<Layer>,
     /// Times, rays and the state of the mesh.
     pub stats: RenderStats,
 }
@@ -44,12 +49,32 @@ pub fn render(
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), progress)?
         }
     };
-    let image = film.into_image();
+    let film_frame = film.frame();
+    let (image, mut layers) = film.into_image();
+    if options.aovs.contains(Aov::Points) {
+        let (rays, width, height) = film_frame;
+        stats.rays.secondary += paint(scene, (&rays, width, height), &mut layers, &points(mesh));
+    }
+    layers.retain(|layer| options.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
     if matches!(options.method, Method::Mesh | Method::Paper) {
         stats.direct = mesh.stats();
         stats.indirect = mesh.indirect_stats();
         stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
     }
-    Ok(Frame { image, stats })
+    Ok(Frame { image, layers, stats })
+}
+
+/// The points of both meshes, and what they look like in a picture of them.
+fn points(mesh: &LightMesh) -> Vec<(Dots, f32, Vec<Vec3>)> {
+    let direct = mesh.direct.points();
+    let mut points = vec![
+        (Dots::DIRECT, direct.spacing(), direct.valid_positions().collect()),
+        (Dots::DIRECT_INVALID, direct.spacing(), direct.invalid_positions().collect()),
+    ];
+    if let Some(indirect) = mesh.indirect.as_ref().map(|field| field.points()) {
+        points.push((Dots::INDIRECT, indirect.spacing(), indirect.valid_positions().collect()));
+        points.push((Dots::INDIRECT_INVALID, indirect.spacing(), indirect.invalid_positions().collect()));
+    }
+    points
 }

@@ -1,5 +1,6 @@
 //! What the command line may say.
 
+mod aov;
 mod exposure;
 mod falloff;
 mod interpolation;

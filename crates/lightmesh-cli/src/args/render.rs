@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, value_parser};
-use lightmesh::{Falloff, Interpolation, Method, RenderOptions, Spacing};
+use lightmesh::{Aov, Falloff, Interpolation, Method, RenderOptions, Spacing};
 use lightmesh_io::{LoadOptions, Units};
 
 use super::{
+    aov,
     exposure::{self, Exposure},
     falloff, interpolation, memory,
     method::{MethodArg, PaperScaleArg},
@@ -38,6 +39,9 @@ pub(crate) struct RenderArgs {
     /// Write 16-bit instead of 32-bit floats to EXR files
     #[arg(long, help_heading = "Output")]
     pub(crate) half: bool,
+    /// Layers that .exr files get beside the light (docs/aov.md), separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = aov::parser(), help_heading = "Output")]
+    aov: Vec<Aov>,
     /// Write seconds, rays, mesh points and memory as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) stats: Option<PathBuf>,
@@ -143,6 +147,7 @@ impl RenderArgs {
             field_falloff: self.field_falloff,
             falloff: self.falloff,
             paper_scale: self.paper_scale.into(),
+            aovs: self.aov.iter().copied().collect(),
             seed: self.seed,
             max_memory: self.max_memory,
         }
@@ -197,7 +202,7 @@ mod tests {
     /// Flags of later versions are unknown, not ignored.
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for flag in ["--light-radius", "--aov", "--error", "--rays", "--environment"] {
+        for flag in ["--light-radius", "--error", "--rays", "--environment"] {
             assert!(parse(&[flag, "1"]).is_err(), "{flag}");
         }
     }

@@ -23,7 +23,7 @@ fn picture(place: &Place, name: &str, width: u32, value: f32) {
     };
     let file = BufWriter::new(File::create(place.path(name)).unwrap());
     if name.ends_with(".exr") {
-        write_exr(file, &image, Precision::Single, &metadata).unwrap();
+        write_exr(file, &image, &[], Precision::Single, &metadata).unwrap();
     } else {
         write_png(file, &image, -8.0, &metadata).unwrap();
     }

@@ -1,5 +1,6 @@
 //! The program from the outside: what is typed, what comes back.
 
+mod aov;
 mod compare;
 #[cfg(unix)]
 mod interrupt;

@@ -4,13 +4,13 @@ use std::io::{self, Seek, Write};
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
-    AttributeValue, Encoding, Image as ExrImage, IntegerBounds, Layer, LayerAttributes, SpecificChannels, Text, Vec2,
-    WritableImage, f16,
+    AttributeValue, Encoding, Image as ExrImage, IntegerBounds, Layer as ExrLayer, LayerAttributes, Text, Vec2,
+    WritableImage,
 };
 use glam::{DMat4, DVec3};
-use lightmesh::{Camera, Image, Projection};
+use lightmesh::{Camera, Image, Layer, Projection};
 
-use super::Metadata;
+use super::{Metadata, exr_channels::Channels};
 
 /// Bits of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +22,9 @@ pub enum Precision {
     Half,
 }
 
-/// Writes the picture as channels R, G, B of one unnamed layer, ZIP-compressed scan lines.
+/// Writes the picture as channels R, G, B and `layers` as channels with their names before them (`normal.X`), all in
+/// one part, ZIP-compressed scan lines. The depth is 32-bit float whatever the precision: 11 bits are too few to
+/// compute with, and half cannot hold [`lightmesh::Aov::FAR_M`].
 ///
 /// Beside the standard attributes (`chromaticities` Rec. 709 with D65, `whiteLuminance` 1 because the values are cd/m²,
 /// `software`, `worldToCamera`, `worldToNDC`, `screenWindowWidth`) it carries `method`, `scene`, `settings` (JSON),
@@ -30,29 +32,16 @@ pub enum Precision {
 ///
 /// # Errors
 /// What `out` answers.
-pub fn write_exr(out: impl Write + Seek, image: &Image, precision: Precision, metadata: &Metadata) -> io::Result<()> {
-    let attributes = attributes(image, metadata);
-    let pixel = |at: Vec2<usize>| image.pixels[at.y() * image.width as usize + at.x()];
-    match precision {
-        Precision::Single => write_layer(out, image, attributes, |at| {
-            let p = pixel(at);
-            (p.x, p.y, p.z)
-        }),
-        Precision::Half => write_layer(out, image, attributes, |at| {
-            let p = pixel(at).to_array().map(|c| f16::from_f32(c.min(f16::MAX.to_f32())));
-            (p[0], p[1], p[2])
-        }),
-    }
-}
-
-/// Writes the one layer whose samples `pixel` gives.
-fn write_layer<T, F>(out: impl Write + Seek, image: &Image, attributes: LayerAttributes, pixel: F) -> io::Result<()>
-where
-    T: exr::image::IntoSample,
-    F: Fn(Vec2<usize>) -> (T, T, T) + Sync,
-{
+pub fn write_exr(
+    out: impl Write + Seek,
+    image: &Image,
+    layers: &[Layer],
+    precision: Precision,
+    metadata: &Metadata,
+) -> io::Result<()> {
     let size = Vec2(image.width as usize, image.height as usize);
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, SpecificChannels::rgb(pixel));
+    let channels = Channels::new(image, layers, precision);
+    let layer = ExrLayer::new(size, attributes(image, metadata), Encoding::SMALL_LOSSLESS, channels);
     let mut file = ExrImage::from_layer(layer);
     file.attributes.display_window = IntegerBounds::from_dimensions(size);
     file.attributes.chromaticities = Some(Chromaticities {

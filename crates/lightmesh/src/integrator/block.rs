@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::first_hits::FirstHits;
 use super::lit::LitVertices;
 use super::surface::{Surface, Vertex, evaluate};
 use crate::bvh::Hit;
@@ -11,7 +12,7 @@ use crate::film::{Film, Sample};
 use crate::geometry::Ray;
 use crate::light_mesh::{IndirectField, IndirectReading, Marks, Sight};
 use crate::progress::Reporter;
-use crate::{RenderOptions, Scene};
+use crate::{Aov, RenderOptions, Scene};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
 pub(super) const BLOCK: usize = 512;
@@ -48,6 +49,8 @@ pub(super) struct Block {
     emitted: Vec<(u32, Vec3)>,
     /// Whether each camera ray saw a lamp; empty where nobody asks.
     lamps: Vec<(u32, bool)>,
+    /// What the camera rays met; empty where nobody asks.
+    pub(super) first_hits: FirstHits,
     pub(super) next: Vec<WaveRay>,
 }
 
@@ -80,6 +83,23 @@ impl Block {
         for (vertex, &irradiance) in self.lit.vertices.iter().zip(&self.indirect) {
             film.add(vertex.pixel, vertex.weight * irradiance);
         }
+        if film.has_layers() {
+            self.add_layers_to(film);
+        }
+    }
+
+    /// Adds what the film's layers want of it: of what was added to the film above, once more, which is what.
+    fn add_layers_to(&self, film: &mut Film) {
+        let layers = film.layers();
+        for &(pixel, radiance) in &self.emitted {
+            layers.add(Aov::Direct, pixel, radiance);
+        }
+        for (aov, irradiances) in [(Aov::Direct, &self.lit.direct), (Aov::Indirect, &self.indirect)] {
+            for (vertex, &irradiance) in self.lit.vertices.iter().zip(irradiances) {
+                layers.add(aov, vertex.pixel, vertex.weight * irradiance);
+            }
+        }
+        self.first_hits.add_to(film);
     }
 
     /// Traces the input rays and evaluates what they hit.
@@ -95,7 +115,8 @@ impl Block {
         self.emitted.clear();
         self.next.clear();
         self.lamps.clear();
-        let watched = scene.has_lamps();
+        self.first_hits.clear();
+        let (watched, layered) = (scene.has_lamps(), !options.aovs.is_empty());
         for (from, hit) in self.input.iter().zip(&self.hits) {
             let first = watched && from.depth == 0 && from.layers == 0;
             let Some(hit) = hit else {
@@ -118,6 +139,10 @@ impl Block {
             }
             if surface.diffuse != Vec3::ZERO {
                 self.lit.vertices.push(surface.vertex(beta, from.pixel));
+            }
+            if layered && from.depth == 0 {
+                let vertex = (surface.diffuse != Vec3::ZERO).then(|| self.lit.vertices.len() as u32 - 1);
+                self.first_hits.push(from.pixel, beta.x, &surface, vertex);
             }
             spawn(&mut self.next, from, hit, &surface, options);
         }

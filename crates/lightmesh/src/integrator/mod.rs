@@ -4,6 +4,7 @@
 
 mod block;
 mod direct;
+mod first_hits;
 mod lamps;
 mod lit;
 mod path;

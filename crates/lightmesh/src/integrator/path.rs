@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::block::MAX_LAYERS;
 use super::direct::Scratch;
+use super::first_hits::FirstHits;
 use super::lamps::{LampSampler, power_heuristic};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use super::surface::{Surface, Vertex, evaluate};
@@ -13,7 +14,7 @@ use crate::bvh::Hit;
 use crate::film::Film;
 use crate::geometry::Ray;
 use crate::progress::Reporter;
-use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
+use crate::{Aov, Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Samples per unit of parallel work, and units between two visits to the film.
 const BLOCK: u64 = 256;
@@ -42,7 +43,7 @@ pub(crate) fn render_path(
     while first < total {
         let end = (first + BLOCK * BLOCKS).min(total);
         let camera = &*film;
-        let blocks: Vec<(Vec<(u32, Vec3)>, RayCounts)> = (0..(end - first).div_ceil(BLOCK))
+        let blocks: Vec<PathBlock> = (0..(end - first).div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
                 let mut tracer = PathTracer {
@@ -51,31 +52,76 @@ pub(crate) fn render_path(
                     scratch: Scratch::default(),
                     lamps: LampSampler::default(),
                     rays: RayCounts::default(),
+                    first_hits: FirstHits::default(),
                 };
                 let begin = first + block * BLOCK;
                 let radiance = camera
                     .samples(begin..(begin + BLOCK).min(end))
                     .take_while(|_| !reporter.cancelled())
-                    .map(|s| (s.pixel, tracer.li(camera.ray(s), &mut Sampler::new(options.seed, s.pixel, s.index))))
+                    .map(|s| {
+                        let mut sampler = Sampler::new(options.seed, s.pixel, s.index);
+                        (s.pixel, tracer.li(camera.ray(s), s.pixel, &mut sampler))
+                    })
                     .collect();
                 reporter.add(end.min(begin + BLOCK) - begin, tracer.rays.total());
-                (radiance, tracer.rays)
+                PathBlock { radiance, first_hits: tracer.first_hits, rays: tracer.rays }
             })
             .collect();
         if reporter.cancelled() {
             return Err(Error::Cancelled);
         }
-        for (samples, rays) in blocks {
-            samples.into_iter().for_each(|(pixel, radiance)| film.add(pixel, radiance));
-            stats.rays.primary += rays.primary;
-            stats.rays.shadow += rays.shadow;
-            stats.rays.gather += rays.gather;
-            stats.rays.secondary += rays.secondary;
+        for block in blocks {
+            block.add_to(film);
+            stats.rays += block.rays;
         }
         first = end;
     }
     stats.seconds.shade = started.elapsed().as_secs_f64();
     Ok(stats)
+}
+
+/// What came of some samples.
+struct PathBlock {
+    radiance: Vec<(u32, Radiance)>,
+    first_hits: FirstHits,
+    rays: RayCounts,
+}
+
+impl PathBlock {
+    fn add_to(&self, film: &mut Film) {
+        for (pixel, radiance) in &self.radiance {
+            film.add(*pixel, radiance.all);
+        }
+        if film.has_layers() {
+            for (pixel, radiance) in &self.radiance {
+                film.layers().add(Aov::Direct, *pixel, radiance.direct);
+                film.layers().add(Aov::Indirect, *pixel, radiance.indirect);
+            }
+            self.first_hits.add_to(film);
+        }
+    }
+}
+
+/// Radiance along a path, cd/m²: all of it, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] have of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Radiance {
+    all: Vec3,
+    direct: Vec3,
+    indirect: Vec3,
+}
+
+impl Radiance {
+    fn add(&mut self, aov: Aov, radiance: Vec3) {
+        self.all += radiance;
+        *(if aov == Aov::Direct { &mut self.direct } else { &mut self.indirect }) += radiance;
+    }
+
+    /// Adds a share of another path's.
+    fn add_part(&mut self, path: Self, share: f32) {
+        self.all += path.all * share;
+        self.direct += path.direct * share;
+        self.indirect += path.indirect * share;
+    }
 }
 
 struct PathTracer<'a> {
@@ -84,6 +130,7 @@ struct PathTracer<'a> {
     scratch: Scratch,
     lamps: LampSampler,
     rays: RayCounts,
+    first_hits: FirstHits,
 }
 
 /// How the ray at hand came about: what the emission that it meets counts.
@@ -107,23 +154,34 @@ struct Walk {
     beta: Vec3,
     bounces: u32,
     arrival: Arrival,
+    pixel: u32,
+}
+
+/// Which layer has what shines at the end of a path with so many diffuse bounces: after the first one, it is the other
+/// half of the direct light, unless a mirror came between.
+fn part(bounces: u32, arrival: Arrival) -> Aov {
+    match (bounces, arrival) {
+        (0, _) | (1, Arrival::Bounced { .. } | Arrival::Passed) => Aov::Direct,
+        _ => Aov::Indirect,
+    }
 }
 
 impl PathTracer<'_> {
     /// An estimate of the radiance along a camera ray, cd/m².
-    fn li(&mut self, ray: Ray, sampler: &mut Sampler) -> Vec3 {
+    fn li(&mut self, ray: Ray, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
-        self.follow(Walk { ray, beta: Vec3::ONE, bounces: 0, arrival: Arrival::Seen }, sampler)
+        self.follow(Walk { ray, beta: Vec3::ONE, bounces: 0, arrival: Arrival::Seen, pixel }, sampler)
     }
 
     /// An estimate of what a path brings from here on.
-    fn follow(&mut self, walk: Walk, sampler: &mut Sampler) -> Vec3 {
-        let Walk { mut ray, mut beta, mut bounces, mut arrival } = walk;
-        let mut li = Vec3::ZERO;
+    fn follow(&mut self, walk: Walk, sampler: &mut Sampler) -> Radiance {
+        let Walk { mut ray, mut beta, mut bounces, mut arrival, pixel } = walk;
+        let mut li = Radiance::default();
         let (mut depth, mut layers) = (0, 0);
         loop {
             let Some(hit) = self.scene.bvh().closest(&ray) else {
-                return li + beta * self.sky(&ray, arrival);
+                li.add(part(bounces, arrival), beta * self.sky(&ray, arrival));
+                break;
             };
             let surface = evaluate(self.scene, &ray, &hit);
 
@@ -141,15 +199,19 @@ impl PathTracer<'_> {
                 continue;
             }
             layers = 0;
+            if !self.options.aovs.is_empty() && bounces + depth == 0 {
+                self.first_hits.push(pixel, 1.0, &surface, None);
+            }
 
-            li += beta * self.emission(&ray, &hit, &surface, arrival);
+            li.add(part(bounces, arrival), beta * self.emission(&ray, &hit, &surface, arrival));
             // The last bounce only looks for lamps.
             if bounces > self.options.bounces {
                 break;
             }
             if surface.diffuse != Vec3::ZERO {
                 let vertex = surface.vertex(beta, 0);
-                li += vertex.weight * self.direct(&vertex, sampler);
+                let aov = if bounces == 0 { Aov::Direct } else { Aov::Indirect };
+                li.add(aov, vertex.weight * self.direct(&vertex, sampler));
             }
 
             // Choose how to go on, in proportion to what each way may carry.
@@ -167,7 +229,8 @@ impl PathTracer<'_> {
             let way = if ways[way] == Vec3::ZERO { (0..3).find(|&w| ways[w] != Vec3::ZERO).unwrap_or(0) } else { way };
             beta *= ways[way] * (total / ways[way].max_element());
             if way == 0 && bounces == 0 {
-                return li + self.branch(&surface, beta, sampler);
+                self.branch(&surface, Walk { beta, ..walk }, sampler, &mut li);
+                break;
             }
             if way == 0 {
                 bounces += 1;
@@ -200,17 +263,16 @@ impl PathTracer<'_> {
         li
     }
 
-    /// The mean of [`BRANCHES`] paths that leave the first diffuse surface.
-    fn branch(&mut self, surface: &Surface, beta: Vec3, sampler: &Sampler) -> Vec3 {
-        let mut sum = Vec3::ZERO;
+    /// Adds the mean of [`BRANCHES`] paths that leave the first diffuse surface, which `walk` has reached.
+    fn branch(&mut self, surface: &Surface, walk: Walk, sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..BRANCHES {
             let mut sampler = sampler.branch(branch, BRANCHES);
             let (ray, pdf) = self.bounce(surface, &mut sampler);
             self.rays.gather += 1;
             let arrival = Arrival::Bounced { pdf };
-            sum += self.follow(Walk { ray, beta, bounces: 1, arrival }, &mut sampler);
+            let part = self.follow(Walk { ray, bounces: 1, arrival, ..walk }, &mut sampler);
+            li.add_part(part, 1.0 / BRANCHES as f32);
         }
-        sum * (1.0 / BRANCHES as f32)
     }
 
     /// A cosine-distributed direction about the shading normal: its pdf, cosθ / π, cancels Lambert's cosine / π.

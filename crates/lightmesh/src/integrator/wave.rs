@@ -142,6 +142,12 @@ fn light(
             if let (Some(field), Some(marks)) = (&mut mesh.indirect, &mut marks.indirect) {
                 light_indirectly(field, marks, direct, blocks)?;
             }
+            if !options.aovs.is_empty() {
+                let mesh = (&mesh.direct, &marks.direct);
+                blocks.par_iter_mut().for_each(|block| {
+                    block.sight_rays += block.first_hits.read_mesh(scene, options, mesh, &block.lit.vertices);
+                });
+            }
             blocks.iter().for_each(|block| block.report(reporter));
         }
         _ => {

@@ -11,6 +11,7 @@ use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Outcome, Reader, Sight};
+use super::usable::usable_part;
 use crate::integrator::Vertex;
 use crate::{Error, Falloff, MeshStats, Method, PaperScale, RayCounts, RenderOptions, Scene};
 
@@ -91,6 +92,16 @@ impl DirectField {
 
     pub(super) fn stats(&self) -> MeshStats {
         self.points.stats(size_of_val(self.values.as_slice()) as u64)
+    }
+
+    /// Its points.
+    pub(crate) fn points(&self) -> &Points {
+        &self.points
+    }
+
+    /// How often the cell that a vertex reads has been refined.
+    pub(crate) fn level_at(&self, vertex: &Vertex) -> u32 {
+        self.points.lattice.level_at(vertex.position)
     }
 
     /// A reader for one thread.
@@ -231,6 +242,15 @@ impl DirectReader<'_> {
             }
         }
         ratio(visible.truncate(), all.truncate())
+    }
+
+    /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
+    /// where [`DirectReader::read`] finds nothing.
+    pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
+        match self.read(vertex, marks) {
+            Reading::Visibility(_) => usable_part(&mut self.reader, &self.field.points, vertex, marks),
+            Reading::Nothing | Reading::Empty => 0.0,
+        }
     }
 
     /// Sums up the corners of `mask` for a normal, those that are not known yet.

@@ -20,6 +20,7 @@ mod neighbourhood;
 mod points;
 mod probe;
 mod reader;
+mod usable;
 
 use glam::UVec3;
 

@@ -44,6 +44,21 @@ impl Points {
         self.lattice.point(self.coordinates[index])
     }
 
+    /// Where the filled points are, metres, in the order in which they were filled.
+    pub(crate) fn valid_positions(&self) -> impl Iterator<Item = Vec3> {
+        self.coordinates.iter().map(|&coordinate| self.lattice.point(coordinate))
+    }
+
+    /// Where the points are that were found inside solids, metres.
+    pub(crate) fn invalid_positions(&self) -> impl Iterator<Item = Vec3> {
+        self.invalid.iter().map(|&coordinate| self.lattice.point(coordinate))
+    }
+
+    /// Distance between neighbours, metres.
+    pub(crate) fn spacing(&self) -> f32 {
+        self.lattice.spacing()
+    }
+
     pub(super) fn coordinate(&self, index: usize) -> Coordinate {
         self.coordinates[index]
     }

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::geometry::{Aabb, Ray};
 
@@ -113,12 +113,25 @@ impl FilmRays {
         }
     }
 
+    /// How far `p` is along the axis that the camera looks along, metres.
+    pub(crate) fn depth(&self, p: Vec3) -> f32 {
+        (p - self.eye).dot(self.forward)
+    }
+
+    /// The film position of a point whose depth is above 0, and the size in pixels that a metre has there.
+    pub(crate) fn project(&self, p: Vec3) -> (Vec2, f32) {
+        let offset = p - self.eye;
+        let scale = if self.parallel { 1.0 } else { 1.0 / self.depth(p) };
+        let along = |axis: Vec3| offset.dot(axis) / axis.length_squared() * scale;
+        (Vec2::new(along(self.dx) + self.center_x, along(self.dy) + self.center_y), scale / self.dx.length())
+    }
+
     /// The film position of a perspective camera's ray: the inverse of [`FilmRays::ray`].
     #[cfg(test)]
-    pub(crate) fn position(&self, ray: &Ray) -> glam::Vec2 {
+    pub(crate) fn position(&self, ray: &Ray) -> Vec2 {
         let offset = ray.direction / ray.direction.dot(self.forward) - self.forward;
         let along = |axis: Vec3| offset.dot(axis) / axis.length_squared();
-        glam::Vec2::new(along(self.dx) + self.center_x, along(self.dy) + self.center_y)
+        Vec2::new(along(self.dx) + self.center_x, along(self.dy) + self.center_y)
     }
 }
 
@@ -133,6 +146,27 @@ mod tests {
         let ray = film.ray(100.0, 50.0);
         assert!((ray.direction - Vec3::new(-3.0, -1.0, -5.0).normalize()).length() < 1e-6);
         assert!(film.ray(100.0, 10.0).direction.y > ray.direction.y);
+    }
+
+    /// A point on a film position's ray is projected to that position, at the depth it has along the camera's axis.
+    #[test]
+    fn projecting_inverts_rays() {
+        let pinhole = Camera::look_at(Vec3::new(3.0, 2.0, 5.0), Vec3::new(0.0, 1.0, 0.5), 0.7);
+        let parallel = Camera { projection: Projection::Orthographic { xmag: 2.0, ymag: 1.0 }, ..pinhole.clone() };
+        for camera in [pinhole, parallel] {
+            let film = camera.film(300, 200);
+            for (x, y) in [(0.0, 0.0), (150.0, 100.0), (30.0, 170.0)] {
+                let ray = film.ray(x, y);
+                let t = 4.0 / ray.direction.dot(film.forward);
+                let (position, pixels_per_metre) = film.project(ray.at(t));
+                assert!((position - Vec2::new(x, y)).length() < 1e-3, "{position}");
+                assert!((film.depth(ray.at(t)) - 4.0).abs() < 1e-5);
+                // A metre to the right.
+                let right = film.dx.normalize();
+                let (beside, _) = film.project(ray.at(t) + right);
+                assert!((beside.x - position.x - pixels_per_metre).abs() < 1e-2);
+            }
+        }
     }
 
     /// The vertical field of view spans the height: the angle between the top and bottom rays is `yfov`.

@@ -1,0 +1,37 @@
+//! How much of what a surface asks the mesh for it can use: a layer of the picture, nothing that light depends on.
+
+use super::bricks::Slot;
+use super::marks::Marks;
+use super::neighbourhood::{Neighbourhood, bits, nearest, sphere, trilinear};
+use super::points::Points;
+use super::reader::Reader;
+use crate::integrator::Vertex;
+
+/// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
+/// from it. All of them have been evaluated.
+pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Vertex, marks: &Marks) -> f32 {
+    let (mut usable, mut asked) = (0.0, 0.0);
+    let visit = |slot: Slot| {
+        asked += 1.0;
+        usable += f32::from(u8::from(matches!(slot, Slot::Filled(_))));
+        slot
+    };
+    match points.neighbourhood {
+        Neighbourhood::Trilinear => {
+            let stencil = trilinear(&points.lattice, vertex);
+            if let Ok(seen) = reader.corners(vertex, marks) {
+                asked = bits(stencil.read).map(|k| stencil.weight(k)).sum();
+                usable = bits(seen.mask).map(|k| stencil.weight(k)).sum();
+            }
+        }
+        Neighbourhood::Sphere { radius } => {
+            let mut visit = visit;
+            sphere(&points.lattice, vertex, radius, |coordinate| visit(points.slot(coordinate)));
+        }
+        Neighbourhood::Nearest => {
+            let mut visit = visit;
+            nearest(&points.lattice, vertex, |coordinate| visit(points.slot(coordinate)));
+        }
+    }
+    if asked > 0.0 { usable / asked } else { 0.0 }
+}
