@@ -1,6 +1,7 @@
 //! The program from the outside: what is typed, what comes back.
 
 mod compare;
+mod environment;
 #[cfg(unix)]
 mod interrupt;
 mod place;
