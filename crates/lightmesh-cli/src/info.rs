@@ -18,6 +18,8 @@ struct Info {
     emissive_materials: usize,
     textures: Vec<TextureInfo>,
     lights: Lights,
+    /// The map of the environment; `null`: none.
+    environment: Option<TextureInfo>,
     cameras: Vec<CameraInfo>,
     r#box: BoxInfo,
     warnings: Vec<String>,
@@ -101,6 +103,7 @@ fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
         emissive_materials: data.materials.iter().filter(|m| m.emission.max_element() > 0.0).count(),
         textures: data.images.iter().map(texture).collect(),
         lights: count_lights(&data.lights),
+        environment: data.environment.as_ref().and_then(|e| e.map.as_ref()).map(texture),
         cameras: data.cameras.iter().enumerate().map(|(index, c)| camera(index, c)).collect(),
         r#box: BoxInfo { min: bounds.min.to_array(), max: bounds.max.to_array(), size: bounds.size().to_array() },
         warnings,
@@ -157,6 +160,9 @@ fn describe(info: &Info) -> String {
     ];
     if info.spheres > 0 {
         lines.push(format!("spheres    {}", info.spheres));
+    }
+    if let Some(map) = &info.environment {
+        lines.push(format!("environment {}x{}", map.width, map.height));
     }
     for texture in &info.textures {
         let name = if texture.name.is_empty() { "(unnamed)" } else { &texture.name };

@@ -5,6 +5,7 @@
 mod args;
 mod camera_choice;
 mod compare;
+mod environment;
 mod exit;
 mod info;
 mod interrupt;

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use anyhow::{Context, anyhow};
-use lightmesh::{Camera, LightMesh, Scene, SceneData, soft_environment};
+use lightmesh::{Camera, Environment, LightMesh, Scene, SceneData};
 use lightmesh_io::output::{Metadata, Precision, auto_exposure};
 
 use crate::{
-    args::{Exposure, RenderArgs, method_name},
-    camera_choice,
+    args::{EmitterArgs, Exposure, RenderArgs, method_name},
+    camera_choice, environment,
     exit::Failure,
     interrupt,
     outputs::{self, Outputs},
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Refuse what can be refused before any work.
     let mut options = args.options();
     options.validate()?;
+    args.emitters.options().validate()?;
     if args.size.is_some() {
         options.check_picture_memory()?;
     }
@@ -44,7 +45,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let bar = Bar::new(args.quiet);
 
-    // Read the scene.
+    // Read the environment, which fails sooner, and the scene.
+    let asked_for = environment::read(&args.emitters, options.max_memory, warn)?;
     bar.spin("reading the scene");
     let loaded = lightmesh_io::load(&args.scene, &args.load_options()).map_err(Failure::input);
     bar.clear();
@@ -56,7 +58,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Build it.
     let build_start = Instant::now();
     bar.spin("building");
-    let built = build(loaded.data, args.camera.as_deref());
+    let built = build(loaded.data, asked_for, &args.emitters, args.camera.as_deref());
     bar.clear();
     let Built { scene, camera, warnings } =
         built.map_err(|failure| name_the_file(failure, &args.scene.display().to_string()))?;
@@ -85,7 +87,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
         method: method_name(options.method).to_owned(),
         scene: args.scene.display().to_string(),
-        settings: settings::json(&options, args.load_options().units, &camera.name),
+        settings: settings::json(&options, &args.emitters, args.load_options().units, &camera.name),
         seconds: frame.stats.seconds.render,
         spp: options.spp,
         camera,
@@ -147,15 +149,17 @@ struct Built {
     warnings: Vec<String>,
 }
 
-/// Chooses the camera, lights the scene if nothing does, and builds it.
-fn build(mut data: SceneData, wanted: Option<&str>) -> Result<Built, Failure> {
+/// Chooses the camera, lights the scene as asked or if nothing does, and builds it.
+fn build(
+    mut data: SceneData,
+    asked_for: Option<Environment>,
+    emitters: &EmitterArgs,
+    wanted: Option<&str>,
+) -> Result<Built, Failure> {
     let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
     let mut warnings: Vec<String> = warning.into_iter().collect();
-    if data.lights.is_empty() && data.environment.is_none() && !emits(&data) {
-        warnings.push("the file has no lights and nothing emits: lighting it by a soft environment".to_owned());
-        data.environment = Some(soft_environment());
-    }
-    Ok(Built { scene: Scene::new(data)?, camera, warnings })
+    warnings.extend(environment::apply(&mut data, asked_for, emitters));
+    Ok(Built { scene: Scene::with_emitters(data, &emitters.options())?, camera, warnings })
 }
 
 /// Says which file bad input is about; the core does not know it.
@@ -169,13 +173,4 @@ fn name_the_file(failure: Failure, scene: &str) -> Failure {
 /// Ends here after Ctrl-C.
 fn stop_if_interrupted() -> Result<(), Failure> {
     if interrupt::pressed() { Err(Failure::Interrupted) } else { Ok(()) }
-}
-
-/// Whether a surface of the scene emits light.
-fn emits(data: &SceneData) -> bool {
-    let meshes = data.instances.iter().filter_map(|i| data.meshes.get(i.mesh)).map(|mesh| mesh.material);
-    let spheres = data.spheres.iter().map(|sphere| sphere.material);
-    let shapes = data.shapes.iter().map(|shape| shape.material);
-    let mut used = meshes.chain(spheres).chain(shapes).filter_map(|m| data.materials.get(m));
-    used.any(|material| material.emission.max_element() > 0.0)
 }

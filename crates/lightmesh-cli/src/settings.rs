@@ -1,13 +1,13 @@
 //! The settings of a render as a picture file keeps them.
 
-use lightmesh::{Aov, Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
+use lightmesh::{Aov, EmitterOptions, Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
 use lightmesh_io::Units;
 use serde_json::json;
 
-use crate::args::method_name;
+use crate::args::{EmitterArgs, EnvironmentArg, method_name};
 
 /// A JSON object with every option, spelled as the command line spells it.
-pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> String {
+pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
     let RenderOptions {
         method,
         width,
@@ -27,6 +27,7 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
         seed,
         max_memory,
     } = options;
+    let EmitterOptions { light_samples, light_radius } = emitters.options();
     json!({
         "method": method_name(*method),
         "size": format!("{width}x{height}"),
@@ -50,6 +51,11 @@ pub(crate) fn json(options: &RenderOptions, units: Units, camera: &str) -> Strin
             PaperScale::Constant => "constant",
         },
         "aov": aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
+        "environment": emitters.environment.as_ref().map(spell_environment),
+        "environment-strength": emitters.environment_strength.to_string(),
+        "environment-rotation": emitters.environment_rotation.to_string(),
+        "light-samples": light_samples,
+        "light-radius": light_radius.to_string(),
         "seed": seed,
         "max-memory": max_memory,
         "units": match units {
@@ -69,6 +75,13 @@ fn spell_spacing(spacing: Spacing) -> String {
     }
 }
 
+fn spell_environment(environment: &EnvironmentArg) -> String {
+    match environment {
+        EnvironmentArg::File(path) => path.display().to_string(),
+        EnvironmentArg::Color(c) => format!("{},{},{}", c.x, c.y, c.z),
+    }
+}
+
 fn spell_falloff(falloff: Falloff) -> String {
     match falloff {
         Falloff::InverseSquare => "r2".to_owned(),
@@ -78,7 +91,10 @@ fn spell_falloff(falloff: Falloff) -> String {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
+    use crate::args::{Cli, Command};
 
     #[test]
     fn options_are_spelled_as_on_the_command_line() {
@@ -89,7 +105,10 @@ mod tests {
             aovs: [Aov::Depth, Aov::Albedo].into_iter().collect(),
             ..RenderOptions::default()
         };
-        let text = json(&options, Units::Blender, "hall");
+        let line =
+            "lightmesh render a.glb -o a.png --environment 1,0.5,0 --environment-rotation -90 --light-radius 0.1";
+        let Command::Render(args) = Cli::parse_from(line.split(' ')).command else { panic!("render was asked for") };
+        let text = json(&options, &args.emitters, Units::Blender, "hall");
         for part in [
             r#""spacing":"1/80""#,
             r#""falloff":"0.1+r""#,
@@ -99,6 +118,11 @@ mod tests {
             r#""aov":"albedo,depth""#,
             r#""cutoff":"0.001""#,
             r#""units":"blender""#,
+            r#""environment":"1,0.5,0""#,
+            r#""environment-strength":"1""#,
+            r#""environment-rotation":"-90""#,
+            r#""light-samples":64"#,
+            r#""light-radius":"0.1""#,
         ] {
             assert!(text.contains(part), "{text}");
         }

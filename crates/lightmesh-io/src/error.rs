@@ -160,6 +160,12 @@ pub enum Error {
         /// The file.
         file: String,
     },
+    /// An environment map's extension says neither Radiance nor EXR.
+    #[error("{file}: environment maps are .hdr or .exr by their extension")]
+    EnvironmentFormat {
+        /// The file.
+        file: String,
+    },
     /// A picture's content is not what its extension says, is damaged, is too large or is of a kind that is not read.
     #[error("{file}: {what}")]
     Picture {

@@ -3,7 +3,7 @@
 //! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in
 //! range, every number is finite, and no file can make the reader panic or take more memory than
 //! [`LoadOptions::max_memory`].
-//! [`output`] writes pictures, [`read_picture`] reads them back.
+//! [`output`] writes pictures, [`read_picture`] reads them back, [`read_environment`] reads maps of light from all sides.
 //!
 //! ```
 //! # fn main() -> Result<(), lightmesh_io::Error> {
@@ -28,17 +28,23 @@
 
 mod beside;
 mod budget;
+mod environment_map;
 mod error;
+mod exr_file;
 mod gltf;
 mod obj;
 pub mod output;
 mod picture;
+mod picture_file;
 mod ply;
 mod polygon;
+mod radiance_file;
 mod scene_file;
 mod srgb;
+mod texture_image;
 mod warnings;
 
+pub use environment_map::{EnvironmentMap, read_environment};
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
 pub use picture::{Encoding, Picture, read_picture};

@@ -1,6 +1,8 @@
 //! What the command line may say.
 
 mod aov;
+mod emitters;
+mod environment;
 mod exposure;
 mod falloff;
 mod interpolation;
@@ -14,7 +16,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub(crate) use self::{exposure::Exposure, method::name as method_name, render::RenderArgs};
+pub(crate) use self::{
+    emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure, method::name as method_name,
+    render::RenderArgs,
+};
 
 /// Renders scenes lit by many lights, with light meshes.
 #[derive(Debug, Parser)]

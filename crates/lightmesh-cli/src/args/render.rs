@@ -8,6 +8,7 @@ use lightmesh_io::{LoadOptions, Units};
 
 use super::{
     aov,
+    emitters::EmitterArgs,
     exposure::{self, Exposure},
     falloff, interpolation, memory,
     method::{MethodArg, PaperScaleArg},
@@ -70,6 +71,9 @@ pub(crate) struct RenderArgs {
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().seed, help_heading = "Light")]
     seed: u64,
+
+    #[command(flatten)]
+    pub(crate) emitters: EmitterArgs,
 
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
@@ -170,6 +174,7 @@ impl RenderArgs {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use lightmesh::EmitterOptions;
 
     use super::{
         super::{Cli, Command},
@@ -187,22 +192,33 @@ mod tests {
     /// Nothing said: the library's defaults, all of them.
     #[test]
     fn defaults_are_the_librarys() {
-        assert_eq!(parse(&[]).unwrap().options(), RenderOptions::default());
+        let args = parse(&[]).unwrap();
+        assert_eq!(args.options(), RenderOptions::default());
+        assert_eq!(args.emitters.options(), EmitterOptions::default());
     }
 
     #[test]
     fn negative_values_reach_their_parsers() {
-        for (flag, value) in [("--spacing", "-1"), ("--cutoff", "-0.5"), ("--size", "-1x2"), ("--falloff", "-1+r")] {
+        for (flag, value) in [
+            ("--spacing", "-1"),
+            ("--cutoff", "-0.5"),
+            ("--size", "-1x2"),
+            ("--falloff", "-1+r"),
+            ("--environment", "-1,0,0"),
+            ("--light-radius", "-1"),
+            ("--environment-strength", "-2"),
+        ] {
             let message = parse(&[flag, value]).unwrap_err().to_string();
             assert!(message.contains(flag) && message.contains("invalid value"), "{message}");
         }
         assert_eq!(parse(&["--exposure", "-3.5"]).unwrap().exposure, Exposure::Ev(-3.5));
+        assert_eq!(parse(&["--environment-rotation", "-90"]).unwrap().emitters.environment_rotation, -90.0);
     }
 
     /// Flags of later versions are unknown, not ignored.
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for flag in ["--light-radius", "--error", "--rays", "--environment"] {
+        for flag in ["--error", "--rays"] {
             assert!(parse(&[flag, "1"]).is_err(), "{flag}");
         }
     }

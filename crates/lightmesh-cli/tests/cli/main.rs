@@ -2,6 +2,7 @@
 
 mod aov;
 mod compare;
+mod environment;
 #[cfg(unix)]
 mod interrupt;
 mod place;

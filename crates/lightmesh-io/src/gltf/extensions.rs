@@ -5,7 +5,7 @@ use super::json::{Document, MaterialExtensions};
 use crate::error::{Error, one_line};
 
 /// Extensions that are read.
-const READ: [&str; 9] = [
+const READ: [&str; 10] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -14,6 +14,7 @@ const READ: [&str; 9] = [
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "EXT_lights_image_based",
     "EXT_texture_webp",
 ];
 

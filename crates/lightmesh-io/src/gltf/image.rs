@@ -10,11 +10,12 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::fmt::Display;
 use std::sync::Arc;
 
+use glam::Vec3;
 use image::error::{ParameterError, ParameterErrorKind};
-use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageReader, ImageResult, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageResult};
 use lightmesh::{ImageData, Texels, Texture};
 use rayon::prelude::*;
 
@@ -24,6 +25,7 @@ use super::texture::{Encoding, Textures};
 use super::uri;
 use crate::error::{Error, one_line};
 use crate::srgb::linear_from_srgb;
+use crate::texture_image;
 
 /// An image of the file with its compressed bytes.
 #[derive(Debug)]
@@ -67,7 +69,7 @@ pub(super) fn decode(context: &mut Context<'_>, buffers: &Buffers<'_>, textures:
     }
     let mut sources = Vec::with_capacity(uses.len());
     for (index, (srgb, linear)) in uses {
-        if let Some((name, bytes)) = fetch(context, buffers, index)? {
+        if let Some((name, bytes)) = fetch(context, buffers, index, "textures")? {
             sources.push(Source { index, name, bytes, srgb, linear });
         }
     }
@@ -126,6 +128,57 @@ pub(super) fn decode(context: &mut Context<'_>, buffers: &Buffers<'_>, textures:
     Ok(Shown { textures, images, index_of })
 }
 
+/// An image of light rather than of a surface: linear, and with values above 1 where its alpha says so.
+#[derive(Debug)]
+pub(super) struct RadianceImage {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Row by row from the upper left corner.
+    pub(super) texels: Vec<Vec3>,
+}
+
+/// One of the images that EXT_lights_image_based names: with alpha RGBD, else sRGB. `None`, and a warning, where it cannot
+/// be read.
+pub(super) fn decode_radiance(
+    context: &mut Context<'_>,
+    buffers: &Buffers<'_>,
+    index: usize,
+    referrer: impl Display,
+) -> Result<Option<RadianceImage>, Error> {
+    let Some((name, bytes)) = fetch(context, buffers, index, referrer)? else { return Ok(None) };
+    let source = Source { index, name, bytes, srgb: true, linear: false };
+    // Pay for the decoder's output, for all channels as floats and for what stays; then decode.
+    let decoded = match Size::of(context, &source) {
+        Ok(size) => {
+            let bytes_per_texel = (size_of::<[f32; 4]>() + size_of::<Vec3>()) as u64;
+            context.spend(image_place(&source), size.texels, bytes_per_texel)?;
+            context.spend(image_place(&source), size.decoded, 1)?;
+            let limit = context.budget.left().saturating_add(size.decoded);
+            decoder(&source, limit).and_then(DynamicImage::from_decoder)
+        }
+        Err(why) => Err(why),
+    };
+    let image = match decoded {
+        Ok(image) => image,
+        Err(why) => return undecodable(context, &source, &why).map(|()| None),
+    };
+    let linear: fn([f32; 4]) -> Vec3 = if image.color().has_alpha() { linear_from_rgbd } else { linear_from_rgb };
+    let (width, height) = (image.width(), image.height());
+    let texels = image.into_rgba32f().pixels().map(|pixel| linear(pixel.0)).collect();
+    Ok(Some(RadianceImage { width, height, texels }))
+}
+
+/// RGBD: colours divided by alpha, which is at least 1/255. The specification leaves open how the colours are encoded; its
+/// reference, Babylon.js (rgbdEncode.fragment.fx, helperFunctions.fx), raises them to 2.2 before the division.
+fn linear_from_rgbd([r, g, b, d]: [f32; 4]) -> Vec3 {
+    Vec3::new(r, g, b).map(|c| libm::powf(c, 2.2)) / d.max(1.0 / 255.0)
+}
+
+/// An sRGB colour.
+fn linear_from_rgb([r, g, b, _]: [f32; 4]) -> Vec3 {
+    Vec3::new(r, g, b).map(linear_from_srgb)
+}
+
 /// An image's name and its bytes in the file.
 type Compressed<'a> = (&'a str, Cow<'a, [u8]>);
 
@@ -134,8 +187,9 @@ fn fetch<'a>(
     context: &mut Context<'_>,
     buffers: &'a Buffers<'_>,
     index: usize,
+    referrer: impl Display,
 ) -> Result<Option<Compressed<'a>>, Error> {
-    let image = context.get(&buffers.document.images, "image", index, "textures")?;
+    let image = context.get(&buffers.document.images, "image", index, referrer)?;
     let uri_name = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
     let name = image.name.as_deref().or(uri_name).unwrap_or_default();
     let at = place("image", index, Some(name));
@@ -181,16 +235,15 @@ fn undecodable(context: &mut Context<'_>, source: &Source<'_>, why: &ImageError)
 
 /// A decoder that has read the image's header and nothing else.
 fn decoder<'a>(source: &'a Source<'_>, limit: u64) -> ImageResult<impl ImageDecoder + 'a> {
-    let mut reader = ImageReader::new(Cursor::new(&*source.bytes)).with_guessed_format()?;
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(limit);
-    reader.limits(limits);
-    reader.into_decoder()
+    texture_image::reader(&source.bytes, limit)?.into_decoder()
 }
 
 /// Bytes that decoding takes.
 #[derive(Clone, Copy, Debug)]
 struct Size {
+    texels: u64,
+    /// Of the decoder's output.
+    decoded: u64,
     /// Of the texels that stay.
     kept: u64,
     /// Of the decoder's output and our conversion, on top while it works.
@@ -211,7 +264,8 @@ impl Size {
             true => (texels.saturating_mul(16 * uses), texels.saturating_mul(8 + 16)),
             false => (texels.saturating_mul(4), texels.saturating_mul(4)),
         };
-        Ok(Self { kept, transient: decoder.total_bytes().saturating_add(converted) })
+        let decoded = decoder.total_bytes();
+        Ok(Self { texels, decoded, kept, transient: decoded.saturating_add(converted) })
     }
 }
 

@@ -1,7 +1,7 @@
 //! glTF 2.0, text and binary.
 //!
 //! Order of work: container, JSON, required extensions, nodes of the chosen scene, then only what they reach: buffers,
-//! meshes, materials, textures, images. What the scene does not use is neither decoded nor checked.
+//! meshes, materials, textures, images, environment. What the scene does not use is neither decoded nor checked.
 
 mod accessor;
 mod attribute;
@@ -9,8 +9,11 @@ mod buffer;
 mod camera;
 mod container;
 mod context;
+mod cube_map;
+mod environment;
 mod extensions;
 mod image;
+mod irradiance;
 mod json;
 mod light;
 mod material;
@@ -102,6 +105,7 @@ pub(crate) fn read(
     let shown = image::decode(&mut context, &buffers, textures)?;
     leave_out(&mut data.materials, &shown.index_of);
     (data.textures, data.images) = (shown.textures, shown.images);
+    data.environment = environment::environment(&mut context, &buffers, visit.scene)?;
     warn_of_missing_uvs(&mut context, &data);
 
     if !document.animations.is_empty() {

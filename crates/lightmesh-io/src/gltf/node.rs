@@ -22,6 +22,8 @@ pub(super) struct Placed {
 /// What the nodes of a scene carry, parents before children, siblings in the file's order.
 #[derive(Debug, Default)]
 pub(super) struct Visit {
+    /// The scene that was chosen; `None` in a file without scenes.
+    pub(super) scene: Option<usize>,
     pub(super) meshes: Vec<Placed>,
     pub(super) lights: Vec<Placed>,
     pub(super) cameras: Vec<Placed>,
@@ -29,14 +31,15 @@ pub(super) struct Visit {
 
 /// Walks the chosen scene. A node that is reached twice, by a cycle or from two parents, is an error.
 pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Visit, Error> {
-    let (roots, from) = roots(context, document)?;
+    let scene = chosen_scene(context, document)?;
+    let (roots, from) = roots(context, document, scene)?;
     let nodes = &document.nodes;
     // A list that grows lives up to three times: see `json::parsed_bytes`.
     let carried = nodes.iter().map(|n| [n.mesh, n.camera, light_of(n)].into_iter().flatten().count() as u64).sum();
     context.spend("nodes", carried, 3 * size_of::<Placed>() as u64)?;
     context.spend("nodes", nodes.len() as u64, 3 * size_of::<(usize, DAffine3)>() as u64 + 1)?;
 
-    let mut visit = Visit::default();
+    let mut visit = Visit { scene, ..Visit::default() };
     let mut reached = vec![false; nodes.len()];
     // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse.
     // Nodes are marked when pushed: then the stack is never longer than the list of nodes.
@@ -94,15 +97,18 @@ fn mark(
     Ok(())
 }
 
-/// The root nodes to render and, for messages, where they are listed.
-fn roots(context: &mut Context<'_>, document: &Document) -> Result<(Vec<usize>, String), Error> {
-    if document.scenes.is_empty() && context.options.scene.is_none() {
-        return Ok((parentless(context, document), "the file".to_owned()));
+/// The scene that the options or the file choose; `None` in a file without scenes.
+fn chosen_scene(context: &Context<'_>, document: &Document) -> Result<Option<usize>, Error> {
+    match &context.options.scene {
+        None if document.scenes.is_empty() => Ok(None),
+        None => Ok(Some(document.scene.unwrap_or(0))),
+        Some(wanted) => find_scene(context, document, wanted).map(Some),
     }
-    let index = match &context.options.scene {
-        None => document.scene.unwrap_or(0),
-        Some(wanted) => find_scene(context, document, wanted)?,
-    };
+}
+
+/// The root nodes to render and, for messages, where they are listed.
+fn roots(context: &mut Context<'_>, document: &Document, scene: Option<usize>) -> Result<(Vec<usize>, String), Error> {
+    let Some(index) = scene else { return Ok((parentless(context, document), "the file".to_owned())) };
     let scene = context.get(&document.scenes, "scene", index, "scene")?;
     Ok((scene.nodes.clone(), place("scene", index, scene.name.as_deref()).to_string()))
 }

@@ -1,13 +1,11 @@
 //! Files beside the OBJ file: material libraries and images.
 
-use std::io::Cursor;
-
-use image::{ImageReader, Limits};
 use lightmesh::{ImageData, Texels};
 
 use super::Context;
 use crate::beside::{self, OUTSIDE, Refusal};
 use crate::error::{Error, one_line};
+use crate::texture_image;
 
 /// The bytes of a file named in the scene; `None`, and a warning, where it cannot be read or must not be.
 pub(super) fn read_beside(context: &mut Context<'_>, name: &str) -> Result<Option<Vec<u8>>, Error> {
@@ -34,18 +32,13 @@ pub(super) fn read_beside(context: &mut Context<'_>, name: &str) -> Result<Optio
 pub(super) fn read_image(context: &mut Context<'_>, name: &str) -> Result<Option<ImageData>, Error> {
     let Some(bytes) = read_beside(context, name)? else { return Ok(None) };
     // Look at the size first, pay for the texels, then decode within what is left.
-    let reader = || ImageReader::new(Cursor::new(&bytes)).with_guessed_format();
-    let size = reader().map_err(image::ImageError::IoError).and_then(|reader| reader.into_dimensions());
+    let size = texture_image::reader(&bytes, 512 << 20).and_then(|reader| reader.into_dimensions());
     let decoded = match size {
         Ok((width, height)) => {
             // Four bytes per texel here, and at most as many in the decoder, which may hold 16-bit channels.
             context.budget.take(context.file, name, u64::from(width) * u64::from(height), 12)?;
-            let mut limits = Limits::default();
-            limits.max_alloc = Some(12 * u64::from(width) * u64::from(height) + (1 << 20));
-            reader().map_err(image::ImageError::IoError).and_then(|mut reader| {
-                reader.limits(limits);
-                reader.decode()
-            })
+            let limit = 12 * u64::from(width) * u64::from(height) + (1 << 20);
+            texture_image::reader(&bytes, limit).and_then(|reader| reader.decode())
         }
         Err(error) => Err(error),
     };

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Light, Material, Projection, SceneData, Texels};
+use super::{Environment, ImageData, Light, Material, Projection, SceneData, Texels};
 use crate::Error;
 
 /// Checks all of `data`; mends what can be mended and returns one sentence for each mend.
@@ -17,6 +17,7 @@ pub(super) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     for (index, light) in data.lights.iter().enumerate() {
         check_light(index, light)?;
     }
+    data.environment.as_ref().map_or(Ok(()), check_environment)?;
     check_cameras(data)?;
     mend_normals(data, &mut warnings);
     Ok(warnings)
@@ -28,19 +29,24 @@ fn invalid<T>(place: String, what: impl Into<String>) -> Result<T, Error> {
 
 fn check_images(data: &SceneData) -> Result<(), Error> {
     for (index, image) in data.images.iter().enumerate() {
-        let texels = match &image.texels {
-            Texels::Rgba8(t) => t.len(),
-            Texels::Rgba32F(t) => t.len(),
-        };
-        if texels == 0 || texels as u64 != u64::from(image.width) * u64::from(image.height) {
-            let what = format!("{} × {} texels announced, {texels} given", image.width, image.height);
-            return invalid(format!("image {index} \"{}\"", image.name), what);
-        }
+        check_texel_count(image, || format!("image {index} \"{}\"", image.name))?;
     }
     for (index, texture) in data.textures.iter().enumerate() {
         if texture.image >= data.images.len() {
             return invalid(format!("texture {index}"), format!("image {} does not exist", texture.image));
         }
+    }
+    Ok(())
+}
+
+fn check_texel_count(image: &ImageData, place: impl Fn() -> String) -> Result<(), Error> {
+    let texels = match &image.texels {
+        Texels::Rgba8(t) => t.len(),
+        Texels::Rgba32F(t) => t.len(),
+    };
+    if texels == 0 || texels as u64 != u64::from(image.width) * u64::from(image.height) {
+        let what = format!("{} × {} texels announced, {texels} given", image.width, image.height);
+        return invalid(place(), what);
     }
     Ok(())
 }
@@ -163,6 +169,37 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
     Ok(())
 }
 
+fn check_environment(environment: &Environment) -> Result<(), Error> {
+    // Sums over the largest map, 2²⁸ texels, and squares stay in the range of f32; the sun has 1.6·10⁹ cd/m².
+    const BRIGHTEST: f32 = 1e18;
+    let place = || "environment".to_owned();
+    let Environment { map, radiance, world_from_map } = environment;
+    if !(radiance.min_element() >= 0.0 && radiance.max_element() <= BRIGHTEST) {
+        return invalid(
+            place(),
+            format!("its radiance {radiance} is negative, not finite or above {BRIGHTEST:e} cd/m²"),
+        );
+    }
+    let is_rotation = (world_from_map.length_squared() - 1.0).abs() < 1e-3;
+    if !is_rotation {
+        return invalid(place(), "its rotation is not a quaternion of unit length");
+    }
+    let Some(map) = map else { return Ok(()) };
+    check_texel_count(map, place)?;
+    if let Texels::Rgba32F(texels) = &map.texels {
+        let fits = |&c: &f32| (0.0..=BRIGHTEST).contains(&c) && c * radiance.max_element() <= BRIGHTEST;
+        if let Some(i) = texels.iter().position(|texel| !texel[..3].iter().all(fits)) {
+            let (column, row, texel) = (i % map.width as usize, i / map.width as usize, texels[i]);
+            let what = format!(
+                "texel ({column}, {row}) of its map, {:?}, is negative, not finite or above {BRIGHTEST:e} cd/m²",
+                &texel[..3]
+            );
+            return invalid(place(), what);
+        }
+    }
+    Ok(())
+}
+
 fn check_cameras(data: &SceneData) -> Result<(), Error> {
     for (index, camera) in data.cameras.iter().enumerate() {
         let sane = match camera.projection {
@@ -248,6 +285,28 @@ mod tests {
         let mut data = triangle();
         data.materials[0].ior = 0.5;
         assert!(message(data).contains("refraction"));
+    }
+
+    /// A map that would be read past its end, and light that would turn sums into infinities and NaN.
+    #[test]
+    fn environments_are_checked() {
+        let with = |map_texels: &[[f32; 4]], radiance: f32, world_from_map: glam::Quat| {
+            let texels = Texels::Rgba32F(map_texels.into());
+            let map = ImageData { name: String::new(), width: 2, height: 1, texels };
+            let environment = Environment { map: Some(map), radiance: Vec3::splat(radiance), world_from_map };
+            SceneData { environment: Some(environment), ..triangle() }
+        };
+        let (grey, none) = ([1.0; 4], glam::Quat::IDENTITY);
+        assert!(check(&mut with(&[grey, grey], 1.0, none)).is_ok());
+        assert!(message(with(&[grey], 1.0, none)).contains("environment: 2 × 1 texels announced, 1 given"));
+        for bad in [-1.0, f32::NAN, f32::INFINITY, 1e19] {
+            assert!(message(with(&[grey, grey], bad, none)).contains("its radiance"), "{bad}");
+            assert!(message(with(&[grey, [0.0, bad, 0.0, 1.0]], 1.0, none)).contains("texel (1, 0)"), "{bad}");
+        }
+        assert!(message(with(&[grey, [1e10; 4]], 1e10, none)).contains("texel (1, 0)"));
+        for bad in [glam::Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), glam::Quat::NAN] {
+            assert!(message(with(&[grey, grey], 1.0, bad)).contains("its rotation"));
+        }
     }
 
     #[test]

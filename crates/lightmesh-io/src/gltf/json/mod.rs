@@ -6,6 +6,7 @@
 //! are checked where they are used.
 
 mod data;
+mod environment;
 mod material;
 mod node;
 mod unread;
@@ -13,6 +14,7 @@ mod unread;
 use serde::Deserialize;
 
 pub(crate) use data::{Accessor, Buffer, BufferView, Image, Sampler, Sparse, Texture};
+pub(crate) use environment::{ImageBasedLight, LightsImageBased};
 pub(crate) use material::{AlphaMode, Material, MaterialExtensions, Specular, TextureInfo, Transmission};
 pub(crate) use node::{Attributes, Camera, Light, LightKind, Mesh, Node, Primitive, Scene, Spot};
 
@@ -69,6 +71,8 @@ pub(crate) struct Asset {
 pub(crate) struct RootExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(crate) lights_punctual: Option<LightsPunctual>,
+    #[serde(rename = "EXT_lights_image_based")]
+    pub(crate) lights_image_based: Option<LightsImageBased>,
 }
 
 /// KHR_lights_punctual at the root.
@@ -106,6 +110,7 @@ const _: () = {
     fits::<Primitive>();
     fits::<Camera>();
     fits::<Light>();
+    fits::<ImageBasedLight>();
     fits::<Material>();
     fits::<Texture>();
     fits::<Sampler>();

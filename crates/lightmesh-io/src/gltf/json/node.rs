@@ -2,12 +2,16 @@
 
 use serde::Deserialize;
 
+use super::environment::SceneExtensions;
+
 /// `scenes[]`.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Scene {
     pub(crate) name: Option<String>,
     #[serde(default)]
     pub(crate) nodes: Vec<usize>,
+    #[serde(default)]
+    pub(crate) extensions: SceneExtensions,
 }
 
 /// `nodes[]`. There may be very many: what is rare is boxed.

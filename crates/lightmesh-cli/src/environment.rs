@@ -1,0 +1,60 @@
+//! Light from all sides: the command line's, the file's, or the soft one of scenes without light.
+
+use glam::{Quat, Vec3};
+use lightmesh::{Environment, SceneData, soft_environment};
+
+use crate::{
+    args::{EmitterArgs, EnvironmentArg},
+    exit::Failure,
+};
+
+/// What `--environment` names, read; `None` where it is not given. Warnings go to `warn`.
+pub(crate) fn read(
+    args: &EmitterArgs,
+    max_memory: u64,
+    mut warn: impl FnMut(&str),
+) -> Result<Option<Environment>, Failure> {
+    let (map, radiance) = match &args.environment {
+        None => return Ok(None),
+        Some(EnvironmentArg::Color(color)) => (None, *color),
+        Some(EnvironmentArg::File(path)) => {
+            let read = lightmesh_io::read_environment(path, max_memory).map_err(Failure::input)?;
+            read.warnings.iter().for_each(|w| warn(w));
+            (Some(read.map), Vec3::ONE)
+        }
+    };
+    Ok(Some(Environment { map, radiance, world_from_map: Quat::IDENTITY }))
+}
+
+/// Gives the scene the environment that was asked for; else leaves it its own; else, where nothing shines, a soft one. Then
+/// strength and rotation. Returns what there is to warn about.
+pub(crate) fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &EmitterArgs) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if asked_for.is_some() {
+        data.environment = asked_for;
+    } else if data.lights.is_empty() && data.environment.is_none() && !emits(data) {
+        warnings.push("the file has no lights and nothing emits: lighting it by a soft environment".to_owned());
+        data.environment = Some(soft_environment());
+    }
+    match &mut data.environment {
+        Some(environment) => {
+            environment.radiance *= args.environment_strength;
+            let turn = Quat::from_rotation_y(args.environment_rotation.to_radians());
+            environment.world_from_map = turn * environment.world_from_map;
+        }
+        None if (args.environment_strength, args.environment_rotation) != (1.0, 0.0) => warnings.push(
+            "there is no environment that --environment-strength or --environment-rotation could change".to_owned(),
+        ),
+        None => {}
+    }
+    warnings
+}
+
+/// Whether a surface of the scene emits light.
+fn emits(data: &SceneData) -> bool {
+    let meshes = data.instances.iter().filter_map(|i| data.meshes.get(i.mesh)).map(|mesh| mesh.material);
+    let spheres = data.spheres.iter().map(|sphere| sphere.material);
+    let shapes = data.shapes.iter().map(|shape| shape.material);
+    let mut used = meshes.chain(spheres).chain(shapes).filter_map(|m| data.materials.get(m));
+    used.any(|material| material.emission.max_element() > 0.0)
+}

@@ -1,0 +1,96 @@
+//! The colour of an EXR.
+
+use std::fs::File;
+use std::io::{BufReader, Seek};
+
+use exr::prelude::{AnyChannels, FlatSamples, MetaData, ReadChannels, ReadLayers};
+use glam::Vec3;
+use lightmesh::Image;
+
+use crate::budget::Budget;
+use crate::error::Error;
+use crate::picture_file::PictureFile;
+
+/// The most channels, in all layers.
+const MAX_CHANNELS: usize = 1024;
+/// How many times its length an EXR can hold in samples. Its densest compression, PXR24, deflates (1032 to 1) three of
+/// four bytes: 1376, rounded up.
+const EXPANSION: u64 = 2048;
+
+/// Reads the first layer that has colour (R, G, B), else the first that has luminance (Y); alpha is left out. What is
+/// allocated is paid from `budget` first.
+pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut Budget) -> Result<Image, Error> {
+    let unreadable = |error: exr::error::Error| file.invalid(format_args!("not a readable EXR: {error}"));
+
+    // Read the headers alone first.
+    let meta = MetaData::read_from_buffered(&mut reader, false).map_err(unreadable)?;
+    let announced = check(file, &meta)?;
+    budget.take(&file.name, "the picture's samples", announced.sample_bytes, 1)?;
+    budget.take(&file.name, "the picture", announced.largest_layer, size_of::<Vec3>() as u64)?;
+    reader.rewind().map_err(|cause| file.unreadable(cause))?;
+
+    // Take the first layer that has colour, else the first that has luminance.
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(reader)
+        .map_err(unreadable)?;
+    let layer_with = |names: [&str; 3]| {
+        image.layer_data.iter().find_map(|layer| {
+            let [r, g, b] = names.map(|name| full_channel(&layer.channel_data, name));
+            Some((layer.size, [r?, g?, b?]))
+        })
+    };
+    let (size, [r, g, b]) = layer_with(["R", "G", "B"]).or_else(|| layer_with(["Y", "Y", "Y"])).ok_or_else(|| {
+        let names: Vec<String> =
+            image.layer_data.iter().flat_map(|l| &l.channel_data.list).map(|c| c.name.to_string()).collect();
+        file.invalid(format_args!("has neither channels R, G, B nor Y, but {}", names.join(", ")))
+    })?;
+    let pixels =
+        r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
+    Ok(Image { width: size.x() as u32, height: size.y() as u32, pixels })
+}
+
+/// What headers announce.
+#[derive(Clone, Copy, Debug)]
+struct Announced {
+    /// In all layers and channels.
+    sample_bytes: u64,
+    /// Pixels.
+    largest_layer: u64,
+}
+
+/// Refuses headers that announce more than is read, or than the file can hold.
+fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
+    let mut announced = Announced { sample_bytes: 0, largest_layer: 0 };
+    let (mut channels, mut chunks) = (0_usize, 0_u64);
+    for header in &meta.headers {
+        let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
+        file.check_size(width, height)?;
+        let bytes_per_pixel: usize = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample()).sum();
+        channels += header.channels.list.len();
+        chunks = chunks.saturating_add(header.chunk_count as u64);
+        let bytes = (width * height).saturating_mul(bytes_per_pixel as u64);
+        announced.sample_bytes = announced.sample_bytes.saturating_add(bytes);
+        announced.largest_layer = announced.largest_layer.max(width * height);
+    }
+    if channels > MAX_CHANNELS {
+        return Err(file.invalid(format_args!("has {channels} channels; at most {MAX_CHANNELS} are read")));
+    }
+    // Each chunk has its place in the offset table, 8 bytes, and begins with its coordinate and size, 8 more.
+    let length = file.length;
+    if chunks.saturating_mul(16) > length {
+        let what = format_args!("its header announces {chunks} chunks, which its {length} bytes cannot hold");
+        return Err(file.invalid(what));
+    }
+    file.check_samples(announced.sample_bytes, EXPANSION)?;
+    Ok(announced)
+}
+
+/// The samples of a channel that has one per pixel.
+fn full_channel<'a>(channels: &'a AnyChannels<FlatSamples>, name: &str) -> Option<&'a FlatSamples> {
+    channels.list.iter().find(|c| c.name == *name && c.sampling == exr::prelude::Vec2(1, 1)).map(|c| &c.sample_data)
+}
