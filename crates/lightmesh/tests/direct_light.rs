@@ -78,7 +78,7 @@ fn refining_the_mesh_brings_it_closer_to_standard() {
     };
     let ladder = [0.4, 0.2, 0.1, 0.05].map(|h| error(Method::Mesh, h));
     assert!(
-        ladder[0] < 0.09 && ladder[1] < 0.6 * ladder[0] && ladder[2] < ladder[1] && ladder[3] < 0.8 * ladder[2],
+        ladder[0] < 0.06 && ladder[1] < 0.7 * ladder[0] && ladder[2] < ladder[1] && ladder[3] < 0.8 * ladder[2],
         "{ladder:?}"
     );
     let paper = error(Method::Paper, 0.1);

@@ -10,10 +10,12 @@
 //! | spot | the same × (clamp((cosθ − cos outer) / (cos inner − cos outer)))² |
 //! | with a range R | the same × clamp(1 − (r / R)⁴) |
 //! | directional | 1, d the unit vector towards the light |
-//! | patch of area A that faces a, φ = r² | cosθ_a / (r (r² + A / π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
+//! | patch of area A that faces a, φ = r² | cosθ_a / (r max(r² + A/π (3cos²θ_a − 2), A/π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
 //! | patch, φ = Const + r | cosθ_a / ((Const + r) r) |
 //!
-//! A/π keeps a patch finite on surfaces close to it: on the axis of a disk of area A, I / (r² + A / π) is exact.
+//! A patch is a disk of area A = πR²: its mean of cos cos / r² over a plane that is parallel to it is, to the second order in R, that of
+//! its middle times 1 − R² (3cos²θ_a − 2) / r². On the axis I / (r² + R²) is exact; further off than cos²θ_a = ⅔ a disk gives more
+//! than its middle. R² keeps it finite on surfaces close to it.
 //!
 //! Lanes do the same additions in the same order at every SIMD level, so the sums are the same bit for bit.
 
@@ -286,7 +288,10 @@ fn patch_lanes<S: Simd>(simd: S, block: &Block, facing: &Facing, falloff: Fallof
     let ahead = -(dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)) / r;
     let cos = ahead.max(ahead * load(&facing.back));
     let f = match falloff {
-        Falloff::InverseSquare => cos / ((r2 + load(&facing.spread)) * r),
+        Falloff::InverseSquare => {
+            let spread = load(&facing.spread);
+            cos / ((r2 + spread * (cos * cos * 3.0 - 2.0)).max(spread) * r)
+        }
         Falloff::ConstantPlusDistance { .. } => attenuation(falloff, r2, r) * cos,
     };
     Lanes { dx, dy, dz, f }
