@@ -4,7 +4,7 @@
 //! stands between a corner and the surface that reads it: nothing leaks through a wall, and no pixel pays a ray for that
 //! unless its own cell is divided.
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use super::neighbourhood::{ByCorner, bits};
 
@@ -100,6 +100,20 @@ const PLANE_SLACK: f32 = 25.0;
 /// How much nearer than the reader itself, in the same unit: rounding.
 const SLACK: f32 = 4.0;
 
+/// Whether a corner, looking towards `side` of the cell, meets a surface before the plane of normal `ng` over which the corners
+/// have these `heights`, in spacings: whatever reader lies on the plane, [`parted`] says no where this does.
+pub(super) fn any_before_plane(side: usize, ng: Vec3, heights: &ByCorner, room: &ByCorner) -> bool {
+    let approach = if side & 1 == 0 { -ng[side / 2] } else { ng[side / 2] };
+    let reader = Vec4::splat(255.0 - SLACK);
+    [0, 1].into_iter().any(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).any())
+}
+
+/// How far the plane is along an axis by which it comes nearer so much per spacing, in 1/255 of the spacing, less the slack.
+#[inline(always)]
+fn reach(approach: f32, heights: Vec4) -> Vec4 {
+    if approach > 0.0 { heights * (255.0 / approach) - PLANE_SLACK } else { Vec4::INFINITY }
+}
+
 /// The corners from which something comes before the reader, looking along axis `axis`: the `upper` four or the lower four.
 ///
 /// The reader is `d` away from them along the axis (with its sign) and lies on a plane of normal component `slope` along it,
@@ -119,10 +133,7 @@ pub(super) fn parted(
     // Along the axis towards the reader, the plane comes nearer or never.
     let approach = -slope * 1.0_f32.copysign(d);
     let reader = Vec4::splat(d.abs().min(1.0) * 255.0 - SLACK);
-    let parted = [0, 1].map(|z| {
-        let plane = if approach > 0.0 { heights[z] * (255.0 / approach) - PLANE_SLACK } else { Vec4::INFINITY };
-        room[z].cmplt(reader.min(plane)).bitmask() as u8
-    });
+    let parted = [0, 1].map(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
     (parted[0] | parted[1] << 4) & if upper { !LOWER[axis] } else { LOWER[axis] }
 }
 

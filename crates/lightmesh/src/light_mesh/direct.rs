@@ -232,6 +232,16 @@ impl DirectReader<'_> {
             Err(Outcome::Empty) => return Reading::Empty,
             Err(_) => return Reading::Nothing,
         };
+        if !self.is_known(vertex.n) {
+            // A curved surface: the next vertex has another normal.
+            for k in bits(seen.mask) {
+                let (v, a) = self.field.fold(self.reader.index(k), vertex.n);
+                let weight = seen.weights[k / 4][k % 4];
+                visible += v * weight;
+                all += a * weight;
+            }
+            return ratio(visible.truncate(), all.truncate());
+        }
         self.know(seen.mask, vertex.n);
         // All eight: a corner that is not seen has no weight.
         for (z, weights) in seen.weights.iter().enumerate() {
@@ -253,11 +263,20 @@ impl DirectReader<'_> {
         }
     }
 
-    /// Sums up the corners of `mask` for a normal, those that are not known yet.
+    /// Whether the last vertex had this normal in the same cell, so that it is worth to keep what corners know.
+    #[inline(always)]
+    fn is_known(&mut self, n: Vec3) -> bool {
+        let known = self.n == n && self.visits == self.reader.visits();
+        if !known {
+            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+        }
+        known
+    }
+
+    /// Sums up the corners of `mask` for the normal, those that are not known yet.
     #[inline(always)]
     fn know(&mut self, mask: u8, n: Vec3) {
-        if self.n != n || self.visits != self.reader.visits() {
-            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+        if self.known == 0 {
             (self.visible, self.all) = ([Vec4::ZERO; 8], [Vec4::ZERO; 8]);
         }
         for k in bits(mask & !self.known) {

@@ -185,6 +185,16 @@ impl IndirectReader<'_> {
             Err(Outcome::Empty) => return IndirectReading::Empty,
             Err(_) => return IndirectReading::Nothing,
         };
+        if !self.is_known(vertex.n) {
+            // A curved surface: the next vertex has another normal.
+            let axes = Axes::facing(vertex.n);
+            for k in bits(seen.mask) {
+                let weight = seen.weights[k / 4][k % 4];
+                sum += self.field.irradiance(self.level, self.reader.index(k), &axes) * weight;
+                total += weight;
+            }
+            return IndirectReading::Irradiance(sum.truncate() / total);
+        }
         self.know(seen.mask, vertex.n);
         // All eight: a corner that is not seen has no weight.
         for (z, weights) in seen.weights.iter().enumerate() {
@@ -196,11 +206,20 @@ impl IndirectReader<'_> {
         IndirectReading::Irradiance(sum.truncate() / total)
     }
 
-    /// Sums up the corners of `mask` for a normal, those that are not known yet.
+    /// Whether the last vertex had this normal in the same cell, so that it is worth to keep what corners know.
+    #[inline(always)]
+    fn is_known(&mut self, n: Vec3) -> bool {
+        let known = self.n == n && self.visits == self.reader.visits();
+        if !known {
+            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+        }
+        known
+    }
+
+    /// Sums up the corners of `mask` for the normal, those that are not known yet.
     #[inline(always)]
     fn know(&mut self, mask: u8, n: Vec3) {
-        if self.n != n || self.visits != self.reader.visits() {
-            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
+        if self.known == 0 {
             self.corners = [Vec4::ZERO; 8];
         }
         let axes = Axes::facing(n);

@@ -71,6 +71,11 @@ impl Lattice {
         self.spacing
     }
 
+    /// 1 / spacing.
+    pub(super) fn inv_spacing(&self) -> f32 {
+        self.inv_spacing
+    }
+
     pub(super) fn bricks(&self) -> UVec3 {
         self.bricks
     }

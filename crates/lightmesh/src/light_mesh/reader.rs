@@ -34,6 +34,9 @@ pub(crate) struct Reader<'a> {
     known: u8,
     /// The last set of corners that was wanted, and whether it is in one piece.
     whole: (u8, bool),
+    /// The last plane that was judged, and whether the cell is clear before it ([`Self::is_clear`]).
+    plane: (Vec3, f32),
+    clear: bool,
     sight: Sight,
     visits: u64,
     sight_rays: u64,
@@ -101,6 +104,8 @@ impl<'a> Reader<'a> {
             rooms: [[Vec4::ZERO; 2]; 6],
             known: 0,
             whole: (0, true),
+            plane: (Vec3::ZERO, 0.0),
+            clear: false,
             sight,
             visits: 0,
             sight_rays: 0,
@@ -188,7 +193,13 @@ impl<'a> Reader<'a> {
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
-        let parted = if self.is_remnant(&stencil, usable) { usable } else { self.parted(vertex, &stencil) & usable };
+        let parted = if self.is_remnant(&stencil, usable) {
+            usable
+        } else if self.is_clear(vertex, &stencil) {
+            self.enclosed & usable
+        } else {
+            self.parted(vertex, &stencil) & usable
+        };
         let mask = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
         if mask == 0 {
             return Err(Outcome::Nothing);
@@ -226,11 +237,28 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The corners that may have something between them and the vertex.
+    /// Whether nothing stands before the vertex' plane in the whole cell, so that nothing can part any vertex on that plane from a
+    /// corner: [`Self::parted`] then is what [`Self::enclosed`] is. Planes are told apart by their normal and their height in 1/256
+    /// of the spacing, and judged by the upper end of that step.
     #[inline(always)]
+    fn is_clear(&mut self, vertex: &Vertex, stencil: &Stencil) -> bool {
+        // The offset keeps walls on and half-way between lattice planes, the most of them, off the edges of steps.
+        let step = (stencil.heights[0].x * 256.0 + 0.382).ceil();
+        if self.plane != (vertex.ng, step) {
+            let rise = Vec4::splat(step / 256.0 - stencil.heights[0].x);
+            let heights = stencil.heights.map(|h| h + rise);
+            self.plane = (vertex.ng, step);
+            self.clear = bits(self.blocked)
+                .all(|side| !clearance::any_before_plane(side, vertex.ng, &heights, &self.room(side)));
+        }
+        self.clear
+    }
+
+    /// The corners that may have something between them and the vertex.
+    #[inline(never)]
     fn parted(&mut self, vertex: &Vertex, stencil: &Stencil) -> u8 {
         let lattice = &self.points.lattice;
-        let place = (vertex.position - lattice.point(self.cell)) / lattice.spacing();
+        let place = (vertex.position - lattice.point(self.cell)) * lattice.inv_spacing();
         let mut parted = self.enclosed;
         for axis in 0..3 {
             for upper in [false, true] {
@@ -328,6 +356,7 @@ impl<'a> Reader<'a> {
         self.blocked = blocked(&self.clearances, self.filled);
         self.known = 0;
         self.whole = (0, true);
+        self.plane.0 = Vec3::ZERO;
     }
 }
 
