@@ -112,6 +112,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         },
         rays: frame.stats.rays.into(),
         mesh: (&frame.stats).into(),
+        fallbacks: (&frame.stats).into(),
+        energy_left_out: frame.stats.left_out,
         estimated_error: None,
         peak_memory_bytes: stats::peak_memory_bytes(),
     };

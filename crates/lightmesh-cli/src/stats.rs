@@ -17,6 +17,9 @@ pub(crate) struct Stats {
     pub(crate) seconds: SecondsStats,
     pub(crate) rays: RayStats,
     pub(crate) mesh: MeshesStats,
+    pub(crate) fallbacks: FallbackStats,
+    /// What more bounces would add, as a part of all light; `null` where nothing is known of it.
+    pub(crate) energy_left_out: Option<f64>,
     /// Of the methods so far none estimates its error.
     pub(crate) estimated_error: Option<f64>,
     pub(crate) peak_memory_bytes: u64,
@@ -89,6 +92,19 @@ pub(crate) struct MeshesStats {
 impl From<&RenderStats> for MeshesStats {
     fn from(stats: &RenderStats) -> Self {
         Self { direct: stats.direct.into(), indirect: stats.indirect.into() }
+    }
+}
+
+/// Surface points at which no point of a mesh could be read: shadow rays, or gather rays, were shot instead.
+#[derive(Debug, Serialize)]
+pub(crate) struct FallbackStats {
+    direct: u64,
+    indirect: u64,
+}
+
+impl From<&RenderStats> for FallbackStats {
+    fn from(stats: &RenderStats) -> Self {
+        Self { direct: stats.exact_fallbacks, indirect: stats.gather_fallbacks }
     }
 }
 

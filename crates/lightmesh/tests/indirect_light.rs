@@ -88,7 +88,7 @@ mod radiosity {
     pub(super) fn solve(albedos: &[DVec3; 6], lamp: DVec3, intensity: DVec3) -> Vec<DVec3> {
         let patches: Vec<(usize, usize, usize)> =
             (0..6).flat_map(|w| (0..SIDE * SIDE).map(move |k| (w, k % SIDE, k / SIDE))).collect();
-        let area = (4.0 / (SIDE * SUB).pow(2) as f64) as f64;
+        let area = 4.0 / (SIDE * SUB).pow(2) as f64;
         let factor = |p: DVec3, n: DVec3, (w, i, j): (usize, usize, usize)| -> f64 {
             let m = walls()[w][3];
             (0..SUB * SUB)

@@ -27,6 +27,10 @@ fn a_picture_is_written_in_both_formats_with_statistics() {
     for key in ["primary", "shadow", "gather", "secondary"] {
         assert!(stats["rays"][key].is_u64(), "{key}");
     }
+    for key in ["direct", "indirect"] {
+        assert!(stats["fallbacks"][key].is_u64(), "{key}");
+    }
+    assert!(stats["energy_left_out"].is_number() || stats["energy_left_out"].is_null());
     for mesh in ["direct", "indirect"] {
         for key in ["spacing_m", "points_used", "points_total", "points_invalid", "bytes"] {
             assert!(stats["mesh"][mesh][key].is_number(), "{mesh} {key}");

@@ -380,3 +380,24 @@ pub(super) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, 
     }
     last.expect("at least one")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; what weighs nothing never comes.
+    #[test]
+    fn choices_come_in_proportion_to_their_weights() {
+        let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
+        let (mut counts, n) = ([0_u32; 6], 20_000_u32);
+        for i in 0..n {
+            counts[choose(weights.iter().copied().enumerate(), i)] += 1;
+        }
+        let mut chi2 = 0.0;
+        for (&count, &weight) in counts.iter().zip(&weights) {
+            let expected = f64::from(weight) / 11.0 * f64::from(n);
+            if weight == 0.0 { assert_eq!(count, 0) } else { chi2 += (f64::from(count) - expected).powi(2) / expected }
+        }
+        assert!(chi2 < 23.5, "χ² = {chi2}");
+    }
+}

@@ -242,3 +242,60 @@ fn surface_area(data: &SceneData) -> f64 {
     let spheres = data.spheres.iter().map(|s| 4.0 * PI * f64::from(s.radius).powi(2));
     (triangles.sum::<f64>() + spheres.sum::<f64>()).max(f64::MIN_POSITIVE)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Affine3A;
+
+    use super::*;
+    use crate::geometry::{Sphere, TriangleMesh};
+    use crate::scene::Instance;
+
+    /// Two triangles of 1 and 3 m², a sphere, brightness 1 and 2.
+    fn lamps() -> (SceneData, AreaLights) {
+        let lamp = |e: f32| Material { emission: Vec3::splat(e), ..Material::default() };
+        let mesh = TriangleMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y * 2.0, Vec3::X * 4.0],
+            triangles: vec![[0, 1, 2], [1, 3, 2]],
+            ..TriangleMesh::default()
+        };
+        let data = SceneData {
+            meshes: vec![mesh],
+            instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
+            spheres: vec![Sphere { center: Vec3::new(0.0, 0.0, 9.0), radius: 0.5, material: 1 }],
+            materials: vec![lamp(1.0), lamp(2.0)],
+            ..SceneData::default()
+        };
+        let lights = AreaLights::new(&data, 0.0);
+        (data, lights)
+    }
+
+    /// Flux per element 1 : 3 : 2π. χ², two degrees of freedom: P(χ² > 18.5) < 1e-4. The density of a sample is that of its surface,
+    /// flux share over area.
+    #[test]
+    fn points_come_in_proportion_to_the_light_that_leaves_there() {
+        let (data, lights) = lamps();
+        let targets = [
+            Target::Triangle { instance: 0, triangle: 0 },
+            Target::Triangle { instance: 0, triangle: 1 },
+            Target::Sphere(0),
+        ];
+        let (mut counts, n) = ([0_u32; 3], 20_000_u32);
+        for i in 0..n {
+            let unit = |k: u32| (crate::integrator::hash(2 * i + k) >> 8) as f32 / 16_777_216.0;
+            let point = lights.sample(&data, Vec2::new(unit(0), unit(1))).expect("it shines");
+            let on =
+                if point.position.z > 1.0 { 2 } else { usize::from(point.position.x + 0.5 * point.position.y > 1.0) };
+            counts[on] += 1;
+            assert!((lights.pdf(&data, targets[on]) / point.pdf - 1.0).abs() < 1e-4);
+        }
+        let flux = [1.0, 3.0, 2.0 * PI];
+        let sum: f64 = flux.iter().sum();
+        let chi2: f64 = counts
+            .iter()
+            .zip(flux)
+            .map(|(&c, f)| (f64::from(c) - f / sum * f64::from(n)).powi(2) / (f / sum * f64::from(n)))
+            .sum();
+        assert!(chi2 < 18.5, "χ² = {chi2}");
+    }
+}
