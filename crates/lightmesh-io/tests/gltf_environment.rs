@@ -92,7 +92,7 @@ fn a_bright_face_shines_from_its_side() {
 }
 
 /// Faces are what a camera in the middle sees: on the +X face +Z is on the right and +Y above; the colours are those of
-/// Babylon.js' RGBD, (c / 255)^2.2.
+/// RGBD, (c / 255)^2.2.
 #[test]
 fn a_face_is_upright_and_not_mirrored() {
     let quarters = ImageBuffer::from_fn(8, 8, |x, y| match (x < 4, y < 4) {

@@ -168,8 +168,8 @@ pub(super) fn decode_radiance(
     Ok(Some(RadianceImage { width, height, texels }))
 }
 
-/// RGBD: colours divided by alpha, which is at least 1/255. The specification leaves open how the colours are encoded; its
-/// reference, Babylon.js (rgbdEncode.fragment.fx, helperFunctions.fx), raises them to 2.2 before the division.
+/// RGBD: colours divided by alpha, which is at least 1/255. The specification leaves open how the colours are encoded;
+/// they are raised to 2.2 before the division, an assumption that no file of others has been held against.
 fn linear_from_rgbd([r, g, b, d]: [f32; 4]) -> Vec3 {
     Vec3::new(r, g, b).map(|c| libm::powf(c, 2.2)) / d.max(1.0 / 255.0)
 }
