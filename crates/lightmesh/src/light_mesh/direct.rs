@@ -10,7 +10,7 @@ use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
 use super::probe::{PROBE_RAYS, probe};
-use super::reader::{Outcome, Reader, Sight};
+use super::reader::{Known, Outcome, Reader, Sight};
 use super::usable::usable_part;
 use crate::integrator::Vertex;
 use crate::{Error, Falloff, MeshStats, Method, PaperScale, RayCounts, RenderOptions, Scene};
@@ -109,9 +109,7 @@ impl DirectField {
         DirectReader {
             field: self,
             reader: self.points.reader(scene, sight),
-            n: Vec3::ZERO,
-            visits: 0,
-            known: 0,
+            known: Known::default(),
             visible: [Vec4::ZERO; 8],
             all: [Vec4::ZERO; 8],
         }
@@ -201,10 +199,7 @@ impl Axes {
 pub(crate) struct DirectReader<'a> {
     field: &'a DirectField,
     reader: Reader<'a>,
-    /// For which normal and which visit of a cell corners are known, and which of them.
-    n: Vec3,
-    visits: u64,
-    known: u8,
+    known: Known,
     /// By corner, summed over the axes that the normal faces; 0 where it is not known.
     visible: [Vec4; 8],
     all: [Vec4; 8],
@@ -232,7 +227,7 @@ impl DirectReader<'_> {
             Err(Outcome::Empty) => return Reading::Empty,
             Err(_) => return Reading::Nothing,
         };
-        if !self.is_known(vertex.n) {
+        if !self.known.goes_on(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
             for k in bits(seen.mask) {
                 let (v, a) = self.field.fold(self.reader.index(k), vertex.n);
@@ -263,26 +258,15 @@ impl DirectReader<'_> {
         }
     }
 
-    /// Whether the last vertex had this normal in the same cell, so that it is worth to keep what corners know.
-    #[inline(always)]
-    fn is_known(&mut self, n: Vec3) -> bool {
-        let known = self.n == n && self.visits == self.reader.visits();
-        if !known {
-            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
-        }
-        known
-    }
-
     /// Sums up the corners of `mask` for the normal, those that are not known yet.
     #[inline(always)]
     fn know(&mut self, mask: u8, n: Vec3) {
-        if self.known == 0 {
+        if self.known.is_empty() {
             (self.visible, self.all) = ([Vec4::ZERO; 8], [Vec4::ZERO; 8]);
         }
-        for k in bits(mask & !self.known) {
+        for k in self.known.learn(mask) {
             (self.visible[k], self.all[k]) = self.field.fold(self.reader.index(k), n);
         }
-        self.known |= mask;
     }
 
     /// Rays shot so far to find out which points vertices see.

@@ -16,7 +16,7 @@ use super::lattice::Lattice;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
-use super::reader::{Outcome, Reader, Sight};
+use super::reader::{Known, Outcome, Reader, Sight};
 use crate::integrator::Vertex;
 use crate::{MeshStats, Method, RenderOptions, Scene};
 
@@ -117,9 +117,7 @@ impl IndirectField {
             field: self,
             level: &self.levels[bounces as usize],
             reader: self.points.reader(scene, sight),
-            n: Vec3::ZERO,
-            visits: 0,
-            known: 0,
+            known: Known::default(),
             corners: [Vec4::ZERO; 8],
         }
     }
@@ -155,10 +153,7 @@ pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
     level: &'a [Vec4],
     reader: Reader<'a>,
-    /// For which normal and which visit of a cell corners are known, and which of them.
-    n: Vec3,
-    visits: u64,
-    known: u8,
+    known: Known,
     /// Their irradiance; 0 where it is not known.
     corners: [Vec4; 8],
 }
@@ -185,7 +180,7 @@ impl IndirectReader<'_> {
             Err(Outcome::Empty) => return IndirectReading::Empty,
             Err(_) => return IndirectReading::Nothing,
         };
-        if !self.is_known(vertex.n) {
+        if !self.known.goes_on(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
             let axes = Axes::facing(vertex.n);
             for k in bits(seen.mask) {
@@ -206,27 +201,16 @@ impl IndirectReader<'_> {
         IndirectReading::Irradiance(sum.truncate() / total)
     }
 
-    /// Whether the last vertex had this normal in the same cell, so that it is worth to keep what corners know.
-    #[inline(always)]
-    fn is_known(&mut self, n: Vec3) -> bool {
-        let known = self.n == n && self.visits == self.reader.visits();
-        if !known {
-            (self.n, self.visits, self.known) = (n, self.reader.visits(), 0);
-        }
-        known
-    }
-
     /// Sums up the corners of `mask` for the normal, those that are not known yet.
     #[inline(always)]
     fn know(&mut self, mask: u8, n: Vec3) {
-        if self.known == 0 {
+        if self.known.is_empty() {
             self.corners = [Vec4::ZERO; 8];
         }
         let axes = Axes::facing(n);
-        for k in bits(mask & !self.known) {
+        for k in self.known.learn(mask) {
             self.corners[k] = self.field.irradiance(self.level, self.reader.index(k), &axes);
         }
-        self.known |= mask;
     }
 
     /// Rays shot so far to find out which points vertices see.

@@ -25,7 +25,7 @@ const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, V
 pub(super) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 
 /// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
-/// planes have such points; rounding puts them within 2⁻¹⁷ of the scene's box, 1/8 of this for 2¹⁰ cells along it.
+/// planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰ cells lie along it.
 const ON_SURFACE: f32 = 1.0 / 1024.0;
 
 /// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a surface.

@@ -72,6 +72,40 @@ pub(super) struct Seen {
     pub weights: ByCorner,
 }
 
+/// Which corners a field's reader knows the light of: for one normal, as long as the cell stays.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    n: Vec3,
+    visits: u64,
+    corners: u8,
+}
+
+impl Known {
+    /// Whether the last vertex had this normal in the same visit of a cell, so that it is worth to keep what corners know.
+    #[inline(always)]
+    pub(super) fn goes_on(&mut self, n: Vec3, visits: u64) -> bool {
+        let goes_on = self.n == n && self.visits == visits;
+        if !goes_on {
+            *self = Self { n, visits, corners: 0 };
+        }
+        goes_on
+    }
+
+    /// Whether no corner is known yet.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.corners == 0
+    }
+
+    /// The corners of `mask` that are not known yet; from now on they are.
+    #[inline(always)]
+    pub(super) fn learn(&mut self, mask: u8) -> impl Iterator<Item = usize> + use<> {
+        let missing = mask & !self.corners;
+        self.corners |= mask;
+        bits(missing)
+    }
+}
+
 /// 1 for each bit that is set.
 const ONES: [Vec4; 16] = {
     let mut ones = [Vec4::ZERO; 16];
