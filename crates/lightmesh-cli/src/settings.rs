@@ -19,6 +19,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         spacing,
         indirect_spacing,
         gather_rays,
+        rays,
         interpolation,
         field_falloff,
         falloff,
@@ -38,6 +39,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "spacing": spell_spacing(*spacing),
         "indirect-spacing": spell_spacing(*indirect_spacing),
         "gather-rays": gather_rays,
+        "rays": rays,
         "interpolation": match interpolation {
             Interpolation::Auto => "auto".to_owned(),
             Interpolation::Trilinear => "trilinear".to_owned(),

@@ -12,8 +12,28 @@ pub enum Method {
     Paper,
     /// A shadow ray to every light sample at every hit: the paper's "standard tracing".
     Standard,
+    /// What the mesh points know of each single light, and shadow rays to those about which they disagree.
+    Hybrid,
+    /// The mesh as control variate of light sampling, [`RenderOptions::rays`] shadow rays at each hit: converges to the exact
+    /// picture.
+    Unbiased,
     /// Unidirectional path tracing with next-event estimation over all lights: the truth.
     Path,
+}
+
+impl Method {
+    /// Whether it fills and reads a [`LightMesh`](crate::LightMesh).
+    pub fn has_mesh(self) -> bool {
+        match self {
+            Self::Mesh | Self::Paper | Self::Hybrid | Self::Unbiased => true,
+            Self::Standard | Self::Path => false,
+        }
+    }
+
+    /// Whether mesh points keep what they know of each light.
+    pub(crate) fn knows_lights(self) -> bool {
+        matches!(self, Self::Hybrid | Self::Unbiased)
+    }
 }
 
 /// Distance between neighbouring mesh points.
@@ -105,6 +125,8 @@ pub struct RenderOptions {
     pub indirect_spacing: Spacing,
     /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
     pub gather_rays: u32,
+    /// Shadow rays at each hit with [`Method::Unbiased`]; 1 to 65536.
+    pub rays: u32,
     /// How mesh points are combined.
     pub interpolation: Interpolation,
     /// φ1: attenuation inside the direct field of [`Method::Paper`].
@@ -134,6 +156,7 @@ impl Default for RenderOptions {
             spacing: Spacing::default(),
             indirect_spacing: Spacing::default(),
             gather_rays: 256,
+            rays: 4,
             interpolation: Interpolation::default(),
             field_falloff: Falloff::default(),
             falloff: Falloff::default(),
@@ -191,8 +214,10 @@ impl RenderOptions {
                 return bad(option, format!("must be above 0, not {x}"));
             }
         }
-        if self.gather_rays == 0 || self.gather_rays > 1 << 16 {
-            return bad("gather-rays", format!("must be between 1 and 65536, not {}", self.gather_rays));
+        for (option, rays) in [("gather-rays", self.gather_rays), ("rays", self.rays)] {
+            if rays == 0 || rays > 1 << 16 {
+                return bad(option, format!("must be between 1 and 65536, not {rays}"));
+            }
         }
         if self.bounces > 4096 {
             return bad("bounces", format!("must be at most 4096, not {}", self.bounces));
@@ -205,6 +230,9 @@ impl RenderOptions {
                 format!("the sphere's radius must be above 0 and at most 16 spacings, not {radius}"),
             );
         }
+        if self.method.knows_lights() && matches!(self.interpolation, Interpolation::Sphere { .. }) {
+            return bad("interpolation", "the methods hybrid and unbiased read trilinear or nearest".into());
+        }
         for (option, falloff) in [("falloff", self.falloff), ("field-falloff", self.field_falloff)] {
             if let Falloff::ConstantPlusDistance { constant } = falloff
                 && !(constant >= 0.0 && constant.is_finite())
@@ -215,7 +243,7 @@ impl RenderOptions {
         if let Some(aov) = self.aovs.iter().find(|aov| !aov.is_known_to(self.method)) {
             return bad(
                 "aov",
-                format!("{} shows the light mesh, which only the methods mesh and paper have", aov.name()),
+                format!("{} shows the light mesh, which the methods standard and path do not have", aov.name()),
             );
         }
         if !(self.cutoff >= 0.0 && self.cutoff < 1.0) {

@@ -20,8 +20,8 @@ pub struct Frame {
     pub stats: RenderStats,
 }
 
-/// Renders one picture in rayon's current thread pool. `mesh` is read and filled by [`Method::Mesh`] and
-/// [`Method::Paper`]; keep it between frames of the same scene, and what one frame filled the next one only reads.
+/// Renders one picture in rayon's current thread pool. `mesh` is read and filled by the methods that
+/// have one ([`Method::has_mesh`]); keep it between frames of the same scene, and what one frame filled the next one only reads.
 /// The picture is the same bit for bit whatever the number of threads, and whatever frames came before.
 ///
 /// # Errors
@@ -41,7 +41,7 @@ pub fn render(
     let mut stats = match options.method {
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, progress)?,
         Method::Path => render_path(scene, &mut film, options, progress)?,
-        Method::Mesh | Method::Paper => {
+        Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             if !mesh.serves(options) {
                 let what = "the mesh was made for another method, falloff or interpolation".into();
                 return Err(Error::InvalidOption { option: "mesh", what });
@@ -57,7 +57,7 @@ pub fn render(
     }
     layers.retain(|layer| options.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
-    if matches!(options.method, Method::Mesh | Method::Paper) {
+    if options.method.has_mesh() {
         stats.direct = mesh.stats();
         stats.indirect = mesh.indirect_stats();
         stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));

@@ -12,6 +12,10 @@ pub(crate) enum MethodArg {
     Paper,
     /// Shadow ray to every light sample at every hit
     Standard,
+    /// Light mesh by single lights, and shadow rays to those about which it disagrees
+    Hybrid,
+    /// Light mesh as control variate of light sampling (--rays): converges to the exact picture
+    Unbiased,
     /// Path tracer, the reference
     Path,
 }
@@ -22,6 +26,8 @@ impl From<MethodArg> for Method {
             MethodArg::Mesh => Self::Mesh,
             MethodArg::Paper => Self::Paper,
             MethodArg::Standard => Self::Standard,
+            MethodArg::Hybrid => Self::Hybrid,
+            MethodArg::Unbiased => Self::Unbiased,
             MethodArg::Path => Self::Path,
         }
     }
@@ -33,6 +39,8 @@ pub(crate) fn name(method: Method) -> &'static str {
         Method::Mesh => "mesh",
         Method::Paper => "paper",
         Method::Standard => "standard",
+        Method::Hybrid => "hybrid",
+        Method::Unbiased => "unbiased",
         Method::Path => "path",
     }
 }

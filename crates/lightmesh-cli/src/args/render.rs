@@ -84,6 +84,9 @@ pub(crate) struct RenderArgs {
     /// Rays that gather light at a point of the indirect mesh, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().gather_rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     gather_rays: u32,
+    /// Shadow rays at each hit with --method unbiased, 1 to 65536
+    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
+    rays: u32,
     /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);
     /// auto: trilinear, with --method paper sphere
     #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
@@ -147,6 +150,7 @@ impl RenderArgs {
             spacing: self.spacing,
             indirect_spacing: self.indirect_spacing,
             gather_rays: self.gather_rays,
+            rays: self.rays,
             interpolation: self.interpolation,
             field_falloff: self.field_falloff,
             falloff: self.falloff,
@@ -218,7 +222,7 @@ mod tests {
     /// Flags of later versions are unknown, not ignored.
     #[test]
     fn what_is_not_there_yet_is_refused() {
-        for flag in ["--error", "--rays"] {
+        for flag in ["--error"] {
             assert!(parse(&[flag, "1"]).is_err(), "{flag}");
         }
     }

@@ -95,7 +95,7 @@ impl Aov {
 
     /// Whether pictures made by `method` have it.
     pub fn is_known_to(self, method: Method) -> bool {
-        !self.needs_mesh() || matches!(method, Method::Mesh | Method::Paper)
+        !self.needs_mesh() || method.has_mesh()
     }
 }
 

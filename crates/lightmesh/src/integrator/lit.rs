@@ -6,10 +6,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Vertex;
+use super::by_light::ByLight;
 use super::direct::Scratch;
-use crate::light_mesh::{DirectField, Marks, Reading, Sight};
+use super::sampling::{hash, seed_of_place};
+use crate::light_mesh::{DirectField, LightsReading, Marks, Reading, Sight};
 use crate::progress::Reporter;
-use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
+use crate::{Error, Falloff, Method, RenderOptions, RenderStats, Scene};
 
 /// A list of vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
@@ -20,9 +22,35 @@ pub(crate) struct LitVertices {
     /// Vertices that the mesh has not answered yet.
     waiting: Vec<u32>,
     scratch: Scratch,
+    by_light: ByLight,
     shadow_rays: u64,
     sight_rays: u64,
     fallbacks: u64,
+}
+
+/// How vertices take their direct light from the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shading {
+    /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
+    MeanVisibility,
+    /// [`ByLight::hybrid`].
+    Hybrid,
+    /// [`ByLight::unbiased`] with so many rays.
+    Unbiased { rays: u32, seed: u32 },
+}
+
+impl Shading {
+    /// Of gather hits only the sum counts, and the mean visibility is as good as any.
+    fn new(options: &RenderOptions, sight: Sight) -> Self {
+        match options.method {
+            Method::Hybrid if sight == Sight::Every => Self::Hybrid,
+            Method::Unbiased if sight == Sight::Every => {
+                let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
+                Self::Unbiased { rays: options.rays, seed }
+            }
+            _ => Self::MeanVisibility,
+        }
+    }
 }
 
 impl LitVertices {
@@ -67,6 +95,37 @@ impl LitVertices {
         self.sight_rays += reader.sight_rays();
     }
 
+    /// The same, light by light.
+    fn shade_by_light(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, shading: Shading) {
+        let mut reader = field.reader(scene, Sight::Every);
+        let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
+        waiting.retain(|&i| {
+            let vertex = &vertices[i as usize];
+            let (irradiance, rays) = match (reader.read_lights(vertex, marks), shading) {
+                (LightsReading::Empty, _) => return true,
+                (LightsReading::Agreement(agreement), Shading::Hybrid) => {
+                    by_light.hybrid(scene, falloff, vertex, agreement)
+                }
+                // More rays than lights: each gets its own.
+                (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
+                    if (rays as usize) < scene.lights().len() =>
+                {
+                    let seed = seed ^ seed_of_place(vertex.position);
+                    by_light.unbiased(scene, falloff, vertex, agreement, (rays, seed))
+                }
+                (LightsReading::Agreement(_), _) => scratch.irradiance(scene, scene.lights(), falloff, vertex),
+                (LightsReading::Nothing, _) => {
+                    *fallbacks += 1;
+                    scratch.irradiance(scene, scene.lights(), falloff, vertex)
+                }
+            };
+            direct[i as usize] = irradiance;
+            *shadow_rays += rays;
+            false
+        });
+        self.sight_rays += reader.sight_rays();
+    }
+
     /// Rays since the last call of [`LitVertices::take_counts`].
     pub(super) fn rays(&self) -> u64 {
         self.shadow_rays + self.sight_rays
@@ -98,6 +157,7 @@ impl DirectLighting<'_, '_> {
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
         let (scene, falloff) = (self.scene, self.options.falloff);
+        let shading = Shading::new(self.options, sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();
         lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
@@ -106,7 +166,10 @@ impl DirectLighting<'_, '_> {
         loop {
             let started = Instant::now();
             let (field, marks) = (&*self.field, &*self.marks);
-            lists.par_iter_mut().for_each(|list| list.shade_by_mesh(scene, falloff, field, marks, sight));
+            lists.par_iter_mut().for_each(|list| match shading {
+                Shading::MeanVisibility => list.shade_by_mesh(scene, falloff, field, marks, sight),
+                _ => list.shade_by_light(scene, falloff, field, marks, shading),
+            });
             let waiting = lists.iter().any(|list| !list.waiting.is_empty());
             let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
             *step += started.elapsed().as_secs_f64();

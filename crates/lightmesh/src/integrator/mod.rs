@@ -3,6 +3,7 @@
 //! The reflection model is documented at [`Material`](crate::Material).
 
 mod block;
+mod by_light;
 mod direct;
 mod first_hits;
 mod lamps;
@@ -17,7 +18,7 @@ mod wave;
 pub(crate) use block::MAX_LAYERS;
 pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use path::render_path;
-pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere};
+pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere, seed_of_place};
 pub(crate) use surface::{Vertex, evaluate, is_back_face, is_solid};
 pub(crate) use visibility::{VisibilityScratch, visibility};
 pub(crate) use wave::{Lighting, render_waves};

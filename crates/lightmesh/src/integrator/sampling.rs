@@ -64,6 +64,12 @@ pub(crate) fn hash(x: u32) -> u32 {
     (word >> 22) ^ word
 }
 
+/// A seed from the bits of a place.
+pub(crate) fn seed_of_place(place: Vec3) -> u32 {
+    let [x, y, z] = place.to_array().map(f32::to_bits);
+    hash(hash(hash(x) ^ y) ^ z)
+}
+
 /// A direction about +Z with pdf cosθ / π, from u in [0, 1)²: Malley's method on a uniform disk in polar coordinates.
 pub(crate) fn sample_cosine_hemisphere(u: Vec2) -> Vec3 {
     let (r, phi) = (u.x.sqrt(), TAU * u.y);

@@ -11,8 +11,8 @@ use super::gather::{Gather, seed_of_point, sphere_directions};
 use super::indirect::{IndirectField, Sides};
 use super::marks::Marks;
 use super::probe::{PROBE_RAYS, probe};
-use super::reader::{Outcome, Sight, choose, seed_of_place};
-use crate::integrator::DirectLighting;
+use super::reader::{Outcome, Sight, choose};
+use crate::integrator::{DirectLighting, seed_of_place};
 use crate::{Error, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).

@@ -3,9 +3,11 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
+use super::agreement::Agreement;
 use super::clearance::Clearance;
 use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
+use super::light_bits::LightBits;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
@@ -39,7 +41,7 @@ impl Field {
     pub(super) fn of(options: &RenderOptions) -> Self {
         match options.method {
             Method::Paper => Self::Scalar { falloff: options.field_falloff, scale: options.paper_scale },
-            Method::Mesh | Method::Standard | Method::Path => Self::SixAxis { falloff: options.falloff },
+            Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => Self::SixAxis { falloff: options.falloff },
         }
     }
 
@@ -58,6 +60,10 @@ pub(crate) struct DirectField {
     points: Points,
     field: Field,
     values: Vec<Vec4>,
+    /// What points know of each light, where the method wants it.
+    bits: Option<LightBits>,
+    /// The lanes that pad blocks of lights, a bit each.
+    padding: Vec<u64>,
     /// The mean unshadowed field, for [`PaperScale::Constant`].
     constant: f32,
     max_memory: u64,
@@ -74,16 +80,35 @@ pub(crate) enum Reading {
     Empty,
 }
 
+/// What a vertex finds in the direct mesh about single lights.
+#[derive(Debug)]
+pub(crate) enum LightsReading<'a> {
+    /// What the points of the neighbourhood know.
+    Agreement(&'a Agreement),
+    /// No point of the neighbourhood can be used.
+    Nothing,
+    /// Points are missing; they have been marked.
+    Empty,
+}
+
 impl DirectField {
     pub(super) fn new(scene: &Scene, lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
         let field = Field::of(options);
         let constant = papers_constant(scene, field);
         let points = Points::new(lattice, neighbourhood);
-        Self { points, field, values: Vec::new(), constant, max_memory: options.max_memory }
+        let lights = scene.lights();
+        let bits = options.method.knows_lights().then(|| LightBits::new(lights.lanes()));
+        let mut padding = vec![0; lights.lanes().div_ceil(64)];
+        for lane in (0..64 * padding.len()).filter(|&i| i >= lights.lanes() || lights.intensity(i) == Vec3::ZERO) {
+            padding[lane / 64] |= 1 << (lane % 64);
+        }
+        Self { points, field, values: Vec::new(), bits, padding, constant, max_memory: options.max_memory }
     }
 
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
-        self.field == Field::of(options) && self.points.neighbourhood == neighbourhood
+        self.field == Field::of(options)
+            && self.points.neighbourhood == neighbourhood
+            && self.bits.is_some() == options.method.knows_lights()
     }
 
     pub(super) fn marks(&self) -> Marks {
@@ -91,7 +116,8 @@ impl DirectField {
     }
 
     pub(super) fn stats(&self) -> MeshStats {
-        self.points.stats(size_of_val(self.values.as_slice()) as u64)
+        let bits = self.bits.as_ref().map_or(0, LightBits::bytes);
+        self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64)
     }
 
     /// Its points.
@@ -112,6 +138,8 @@ impl DirectField {
             known: Known::default(),
             visible: [Vec4::ZERO; 8],
             all: [Vec4::ZERO; 8],
+            agreement: Agreement::default(),
+            lanes: scene.lights().lanes(),
         }
     }
 
@@ -140,10 +168,13 @@ impl DirectField {
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
         let stride = self.field.stride();
-        let wanted = self.points.take(marks, (stride * size_of::<Vec4>()) as u64, self.max_memory)?;
+        let bits_per_point = self.bits.as_ref().map_or(0, LightBits::bytes_per_point);
+        let bytes_per_point = (stride * size_of::<Vec4>()) as u64 + bits_per_point;
+        let wanted = self.points.take(marks, bytes_per_point, self.max_memory)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
         let (lattice, field, constant) = (&self.points.lattice, self.field, self.constant);
+        let (bits, padding) = (self.bits.as_ref(), self.padding.as_slice());
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
             .map(|chunk| {
@@ -157,7 +188,11 @@ impl DirectField {
                             // The paper's mesh knows no geometry: every point counts.
                             Field::Scalar { .. } => Some(Clearance::ALL_FREE),
                         };
-                        ((coordinate, clearance), clearance.map(|_| evaluator.evaluate(x)))
+                        let values = clearance.map(|_| {
+                            let values = evaluator.evaluate(x);
+                            (values, bits.map(|bits| evaluator.pack(bits, padding)))
+                        });
+                        ((coordinate, clearance), values)
                     })
                     .collect();
                 (points, evaluator.shadow_rays())
@@ -173,7 +208,11 @@ impl DirectField {
             rays.shadow += shadow_rays;
             for (probed, values) in points {
                 self.points.insert(probed);
-                self.values.extend_from_slice(&values.unwrap_or_default()[..if values.is_some() { stride } else { 0 }]);
+                let Some((values, packed)) = values else { continue };
+                self.values.extend_from_slice(&values[..stride]);
+                if let (Some(bits), Some(packed)) = (&mut self.bits, packed) {
+                    bits.push(&packed);
+                }
             }
         }
         Ok(rays)
@@ -203,6 +242,9 @@ pub(crate) struct DirectReader<'a> {
     /// By corner, summed over the axes that the normal faces; 0 where it is not known.
     visible: [Vec4; 8],
     all: [Vec4; 8],
+    /// What the points that were read last know of each light.
+    agreement: Agreement,
+    lanes: usize,
 }
 
 impl DirectReader<'_> {
@@ -247,6 +289,23 @@ impl DirectReader<'_> {
             }
         }
         ratio(visible.truncate(), all.truncate())
+    }
+
+    /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
+    /// that asks.
+    #[inline(always)]
+    pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
+        let Some(bits) = &self.field.bits else { return LightsReading::Nothing };
+        self.agreement.begin();
+        let agreement = &mut self.agreement;
+        match self.reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
+            Outcome::Read => {
+                self.agreement.ask(bits, self.lanes);
+                LightsReading::Agreement(&self.agreement)
+            }
+            Outcome::Nothing => LightsReading::Nothing,
+            Outcome::Empty => LightsReading::Empty,
+        }
     }
 
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0

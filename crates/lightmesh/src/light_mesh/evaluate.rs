@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::direct::Field;
+use super::light_bits::LightBits;
 use crate::geometry::Ray;
 use crate::integrator::{VisibilityScratch, visibility};
 use crate::scene::{Directions, Scene};
@@ -40,6 +41,11 @@ impl<'a> Evaluator<'a> {
     /// Shadow rays so far.
     pub(super) fn shadow_rays(&self) -> u64 {
         self.shadow_rays
+    }
+
+    /// What the point that was evaluated last knows of each light; lanes of `padding` never shine.
+    pub(super) fn pack(&self, bits: &LightBits, padding: &[u64]) -> Vec<u64> {
+        bits.pack(&self.lanes, &self.visible, padding)
     }
 
     /// The values of the point at `x`, visible and unshadowed light by turns: as many as [`Field::stride`] counts.

@@ -6,6 +6,7 @@
 //! Reading is asking: where nothing is empty, the first step already is the last. A point's value depends on the scene, the
 //! settings and the point alone, so it does not matter who asked first.
 
+mod agreement;
 mod bounce;
 mod bricks;
 mod clearance;
@@ -15,6 +16,7 @@ mod final_gather;
 mod gather;
 mod indirect;
 mod lattice;
+mod light_bits;
 mod marks;
 mod neighbourhood;
 mod points;
@@ -24,8 +26,9 @@ mod usable;
 
 use glam::UVec3;
 
-use crate::{Error, MeshStats, Method, RenderOptions, Scene, Spacing};
-pub(crate) use direct::{DirectField, Reading};
+use crate::{Error, MeshStats, RenderOptions, Scene, Spacing};
+pub(crate) use agreement::Agreement;
+pub(crate) use direct::{DirectField, LightsReading, Reading};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
 pub(crate) use marks::Marks;
@@ -69,7 +72,7 @@ impl LightMesh {
             };
             Lattice::new(option, &bounds, spacing, neighbourhood.reach(), options.max_memory)
         };
-        let meshes = matches!(options.method, Method::Mesh | Method::Paper);
+        let meshes = options.method.has_mesh();
         let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
         let indirect = match wants_indirect {
             true => Some(lattice("indirect-spacing", options.indirect_spacing, Spacing::AUTO_INDIRECT)?),

@@ -10,7 +10,7 @@ use super::neighbourhood::{ByCorner, Neighbourhood, Stencil, bits, corner, neare
 use super::points::Points;
 use super::probe::sees;
 use crate::geometry::Ray;
-use crate::integrator::{Vertex, hash};
+use crate::integrator::{Vertex, hash, seed_of_place};
 use crate::scene::Scene;
 
 /// Reads points vertex by vertex. It keeps what it knows of the last cell: neighbouring pixels mostly share it.
@@ -392,12 +392,6 @@ impl<'a> Reader<'a> {
         self.whole = (0, true);
         self.plane.0 = Vec3::ZERO;
     }
-}
-
-/// A seed from the bits of a place.
-pub(super) fn seed_of_place(place: Vec3) -> u32 {
-    let [x, y, z] = place.to_array().map(f32::to_bits);
-    hash(hash(hash(x) ^ y) ^ z)
 }
 
 /// One of the weighted things, of which there is at least one, in proportion to their weights.

@@ -41,13 +41,13 @@ const MIN_R2: f32 = 1e-12;
 /// Positions (or directions) and intensities of sixteen lights.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-struct Block {
+pub(super) struct Block {
     x: [f32; LANES],
     y: [f32; LANES],
     z: [f32; LANES],
-    r: [f32; LANES],
-    g: [f32; LANES],
-    b: [f32; LANES],
+    pub(super) r: [f32; LANES],
+    pub(super) g: [f32; LANES],
+    pub(super) b: [f32; LANES],
 }
 
 /// What lights other than plain points add to their block.
@@ -178,11 +178,11 @@ impl LightSamples {
 }
 
 /// The lanes of one block: d, and f times 0 or more.
-struct Lanes<S: Simd> {
-    dx: f32x16<S>,
-    dy: f32x16<S>,
-    dz: f32x16<S>,
-    f: f32x16<S>,
+pub(super) struct Lanes<S: Simd> {
+    pub(super) dx: f32x16<S>,
+    pub(super) dy: f32x16<S>,
+    pub(super) dz: f32x16<S>,
+    pub(super) f: f32x16<S>,
 }
 
 #[inline(always)]
@@ -234,7 +234,7 @@ fn directions_simd<S: Simd>(simd: S, lights: &LightSamples, falloff: Falloff, p:
 
 /// Calls `visit(block, first lane, d and f)` for every block, plain ones first.
 #[inline(always)]
-fn for_each_block<S: Simd>(
+pub(super) fn for_each_block<S: Simd>(
     simd: S,
     lights: &LightSamples,
     falloff: Falloff,
@@ -245,9 +245,7 @@ fn for_each_block<S: Simd>(
     let (patches, shaped) = rest.split_at(lights.facings.len());
     let mut first = 0;
     for block in plain {
-        let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
-        let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
-        visit(block, first, Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) });
+        visit(block, first, plain_lanes(simd, block, falloff, p));
         first += LANES;
     }
     for (block, facing) in patches.iter().zip(&lights.facings) {
@@ -258,6 +256,34 @@ fn for_each_block<S: Simd>(
         visit(block, first, shaped_lanes(simd, block, extra, falloff, p));
         first += LANES;
     }
+}
+
+/// d and f of one block.
+#[inline(always)]
+pub(super) fn lanes_of_block<S: Simd>(
+    simd: S,
+    lights: &LightSamples,
+    falloff: Falloff,
+    p: Vec3,
+    index: usize,
+) -> Lanes<S> {
+    let block = &lights.blocks[index];
+    let plain = lights.blocks.len() - lights.facings.len() - lights.extras.len();
+    match index.checked_sub(plain) {
+        None => plain_lanes(simd, block, falloff, p),
+        Some(i) => match i.checked_sub(lights.facings.len()) {
+            None => patch_lanes(simd, block, &lights.facings[i], falloff, p),
+            Some(i) => shaped_lanes(simd, block, &lights.extras[i], falloff, p),
+        },
+    }
+}
+
+/// d and f of plain point lights.
+#[inline(always)]
+fn plain_lanes<S: Simd>(simd: S, block: &Block, falloff: Falloff, p: Vec3) -> Lanes<S> {
+    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
+    Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) }
 }
 
 #[inline(always)]
@@ -316,7 +342,7 @@ fn shaped_lanes<S: Simd>(simd: S, block: &Block, extra: &Extra, falloff: Falloff
 
 /// The sum of all lanes, by halves: lane i + lane i + 8, then + 4, + 2, + 1.
 #[inline(always)]
-fn sum<S: Simd>(v: f32x16<S>) -> f32 {
+pub(super) fn sum<S: Simd>(v: f32x16<S>) -> f32 {
     let (low, high) = v.split();
     let (low, high) = (low + high).split();
     let four = low + high;

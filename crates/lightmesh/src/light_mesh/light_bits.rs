@@ -1,0 +1,85 @@
+//! What mesh points know of each single light: whether all of it arrives, none of it, or neither is known.
+//!
+//! Two bits per light lane, in two rows of 64-bit words per point. Lane i is bit i mod 64 of word i / 64 of its row; point p has
+//! the words `2 w p .. 2 w (p + 1)` with w = ⌈lanes / 64⌉, the row `seen` before the row `open`.
+//!
+//! | seen | open | |
+//! |---|---|---|
+//! | 1 | 1 | all of the light arrives |
+//! | 0 | 0 | nothing arrives |
+//! | 0 | 1 | some arrives (through glass), or the light does not shine on the point, which therefore cannot tell |
+
+use glam::Vec3;
+
+/// The bits of the points of a mesh.
+#[derive(Debug, Default)]
+pub(super) struct LightBits {
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl LightBits {
+    /// For so many lanes.
+    pub(super) fn new(lanes: usize) -> Self {
+        Self { words: lanes.div_ceil(64), bits: Vec::new() }
+    }
+
+    /// Memory per point, bytes.
+    pub(super) fn bytes_per_point(&self) -> u64 {
+        (2 * self.words * size_of::<u64>()) as u64
+    }
+
+    /// Memory of all points, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.bits.as_slice())
+    }
+
+    /// The bits of a point towards whose lights `lanes` so much gets through; those in `dark` never shine, and of the rest it knows
+    /// nothing.
+    pub(super) fn pack(&self, lanes: &[u32], visible: &[Vec3], dark: &[u64]) -> Vec<u64> {
+        let mut bits = vec![0; 2 * self.words];
+        let (seen, open) = bits.split_at_mut(self.words);
+        for (open, dark) in open.iter_mut().zip(dark) {
+            *open = !dark;
+        }
+        for (&lane, &v) in lanes.iter().zip(visible) {
+            let (word, bit) = (lane as usize / 64, 1 << (lane % 64));
+            if v == Vec3::ONE {
+                seen[word] |= bit;
+            } else if v == Vec3::ZERO {
+                open[word] &= !bit;
+            }
+        }
+        bits
+    }
+
+    /// Adds a point's bits.
+    pub(super) fn push(&mut self, bits: &[u64]) {
+        self.bits.extend_from_slice(bits);
+    }
+
+    /// The rows `seen` and `open` of a point.
+    #[inline(always)]
+    pub(super) fn rows(&self, point: u32) -> (&[u64], &[u64]) {
+        self.bits[2 * self.words * point as usize..][..2 * self.words].split_at(self.words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_states_of_a_light_are_told_apart() {
+        let mut bits = LightBits::new(70);
+        let tinted = Vec3::new(1.0, 0.5, 1.0);
+        // Lanes 68 and 69 are padding; 2 was not asked about.
+        let packed = bits.pack(&[0, 1, 65, 66], &[Vec3::ONE, Vec3::ZERO, Vec3::ONE, tinted], &[0, 0b11 << 4]);
+        bits.push(&vec![0; 4]);
+        bits.push(&packed);
+        let (seen, open) = bits.rows(1);
+        let state = |lane: usize| (seen[lane / 64] >> (lane % 64) & 1, open[lane / 64] >> (lane % 64) & 1);
+        assert_eq!([0, 1, 2, 65, 66, 68].map(state), [(1, 1), (0, 0), (0, 1), (1, 1), (0, 1), (0, 0)]);
+        assert_eq!(bits.bytes_per_point(), 32);
+    }
+}

@@ -1,0 +1,190 @@
+//! Sums over lights of which each has its own weight, and the lights of the sum that are wanted one by one.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x16};
+use glam::Vec3;
+
+use super::light_samples::{LANES, LightSamples, for_each_block, lanes_of_block, sum};
+use crate::Falloff;
+
+/// One light as it shines on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Term {
+    /// Its place in the list of those that were asked for.
+    pub index: usize,
+    /// Towards it.
+    pub direction: Vec3,
+    /// f max(0, n · d): what its intensity is multiplied by.
+    pub factor: f32,
+}
+
+/// Surface and attenuation of a sum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    /// Metres.
+    pub position: Vec3,
+    /// Unit.
+    pub n: Vec3,
+    /// φ3.
+    pub falloff: Falloff,
+}
+
+impl LightSamples {
+    /// Σ w_i c_i, lux per channel, with a weight for every lane; and those of `lanes` (ascending) that shine on the surface.
+    pub(crate) fn weighted_irradiance(
+        &self,
+        level: Level,
+        receiver: &Receiver,
+        weights: &[f32],
+        lanes: &[u32],
+        terms: &mut Vec<Term>,
+    ) -> Vec3 {
+        terms.clear();
+        dispatch!(level, simd => weighted_irradiance_simd(simd, self, receiver, weights, lanes, terms, |_| {}))
+    }
+
+    /// The same, and by block of [`LANES`] lights the sum of c_i, mean over the channels, of all lights but `lanes`.
+    pub(crate) fn weighted_irradiance_and_masses(
+        &self,
+        level: Level,
+        receiver: &Receiver,
+        weights: &[f32],
+        lanes: &[u32],
+        terms: &mut Vec<Term>,
+        masses: &mut Vec<f32>,
+    ) -> Vec3 {
+        terms.clear();
+        masses.clear();
+        let mut sum = Vec3::ZERO;
+        dispatch!(level, simd => {
+            sum = weighted_irradiance_simd(simd, self, receiver, weights, lanes, terms, |mass| masses.push(mass));
+        });
+        sum
+    }
+
+    /// f max(0, n · d) and d of every light of a block.
+    pub(crate) fn block_terms(&self, level: Level, receiver: &Receiver, block: usize) -> [(Vec3, f32); LANES] {
+        dispatch!(level, simd => block_terms_simd(simd, self, receiver, block))
+    }
+}
+
+#[inline(always)]
+fn weighted_irradiance_simd<S: Simd>(
+    simd: S,
+    lights: &LightSamples,
+    receiver: &Receiver,
+    weights: &[f32],
+    lanes: &[u32],
+    terms: &mut Vec<Term>,
+    mut mass_of_block: impl FnMut(f32),
+) -> Vec3 {
+    let Receiver { position, n, falloff } = *receiver;
+    let zero = f32x16::splat(simd, 0.0);
+    let (mut r, mut g, mut b) = (zero, zero, zero);
+    let (mut index, mut masses) = (0, [0.0; LANES]);
+    for_each_block(
+        simd,
+        lights,
+        falloff,
+        position,
+        #[inline(always)]
+        |block, first, l| {
+            let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(zero) * l.f;
+            let [red, green, blue] = [&block.r, &block.g, &block.b].map(|channel| f32x16::from_slice(simd, channel));
+            let weighted = e * f32x16::from_slice(simd, &weights[first..first + LANES]);
+            r += weighted * red;
+            g += weighted * green;
+            b += weighted * blue;
+            let mass = e * (red + green + blue) * (1.0 / 3.0);
+            let Some(&next) = lanes.get(index).filter(|&&lane| (lane as usize) < first + LANES) else {
+                mass_of_block(sum(mass));
+                return;
+            };
+            // Some of the block are wanted one by one.
+            let (mut factors, mut d) = ([0.0; LANES], [[0.0; LANES]; 3]);
+            e.store_slice(&mut factors);
+            l.dx.store_slice(&mut d[0]);
+            l.dy.store_slice(&mut d[1]);
+            l.dz.store_slice(&mut d[2]);
+            mass.store_slice(&mut masses);
+            let mut next = Some(next);
+            while let Some(lane) = next {
+                let i = lane as usize - first;
+                masses[i] = 0.0;
+                if factors[i] > 0.0 {
+                    terms.push(Term { index, direction: Vec3::new(d[0][i], d[1][i], d[2][i]), factor: factors[i] });
+                }
+                index += 1;
+                next = lanes.get(index).copied().filter(|&lane| (lane as usize) < first + LANES);
+            }
+            mass_of_block(masses.iter().sum());
+        },
+    );
+    Vec3::new(sum(r), sum(g), sum(b))
+}
+
+#[inline(always)]
+fn block_terms_simd<S: Simd>(
+    simd: S,
+    lights: &LightSamples,
+    receiver: &Receiver,
+    block: usize,
+) -> [(Vec3, f32); LANES] {
+    let l = lanes_of_block(simd, lights, receiver.falloff, receiver.position, block);
+    let n = receiver.n;
+    let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(f32x16::splat(simd, 0.0)) * l.f;
+    std::array::from_fn(|i| (Vec3::new(l.dx[i], l.dy[i], l.dz[i]), e[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::emitters::LightSample;
+    use crate::scene::Light;
+
+    fn lights() -> LightSamples {
+        let light = |i: i32| Light::Point {
+            position: Vec3::new(i as f32 * 0.7 - 9.0, 2.0 - 0.3 * (i % 11) as f32, 1.0),
+            intensity_cd: Vec3::new(1.0, 2.0, 0.5) * (1 + i % 5) as f32,
+            range: (i % 4 == 0).then_some(30.0),
+        };
+        LightSamples::new(&(0..45).map(|i| LightSample::Punctual(light(i))).collect::<Vec<_>>())
+    }
+
+    /// Weights of one give the plain sum; weights of nothing plus the terms of all lanes too; masses are what is not asked for.
+    #[test]
+    fn parts_make_the_whole() {
+        let (lights, level) = (lights(), Level::new());
+        let receiver =
+            Receiver { position: Vec3::new(0.1, -0.2, 0.3), n: Vec3::new(0.6, 0.8, 0.0), falloff: Falloff::InverseSquare };
+        let mut plain = Vec::new();
+        lights.irradiance(level, receiver.falloff, [(receiver.position, receiver.n)].into_iter(), &mut plain);
+        let (mut terms, mut masses) = (Vec::new(), Vec::new());
+        let ones = vec![1.0; lights.lanes()];
+        assert_eq!(lights.weighted_irradiance(level, &receiver, &ones, &[], &mut terms), plain[0]);
+
+        let all: Vec<u32> = (0..lights.lanes() as u32).collect();
+        let zeros = vec![0.0; lights.lanes()];
+        let nothing = lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms);
+        let sum: Vec3 = terms.iter().map(|t| lights.intensity(t.index) * t.factor).sum();
+        assert!(nothing == Vec3::ZERO && (sum - plain[0]).length() < 1e-5 * sum.length());
+
+        lights.weighted_irradiance_and_masses(level, &receiver, &ones, &all[..20], &mut terms, &mut masses);
+        let asked: f32 = terms.iter().map(|t| (lights.intensity(t.index) * t.factor).element_sum() / 3.0).sum();
+        let (rest, whole) = (masses.iter().sum::<f32>(), plain[0].element_sum() / 3.0);
+        assert!((asked + rest - whole).abs() < 1e-5 * whole);
+    }
+
+    #[test]
+    fn a_block_alone_is_the_block_in_the_sum() {
+        let (lights, level) = (lights(), Level::new());
+        let receiver = Receiver { position: Vec3::ZERO, n: Vec3::Y, falloff: Falloff::InverseSquare };
+        let all: Vec<u32> = (0..lights.lanes() as u32).collect();
+        let (mut terms, zeros) = (Vec::new(), vec![0.0; lights.lanes()]);
+        lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms);
+        for term in &terms {
+            let alone = lights.block_terms(level, &receiver, term.index / LANES)[term.index % LANES];
+            assert_eq!(alone, (term.direction, term.factor));
+        }
+    }
+}
