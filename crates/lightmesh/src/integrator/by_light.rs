@@ -3,8 +3,10 @@
 //! Both ways begin with Σ_i V̂_i c_i, where c_i is what light i would give unshadowed (a term of formula (2)) and V̂_i in [0, 1] what
 //! the mesh points around the surface say of its visibility. They differ in what they shoot:
 //!
-//! - *hybrid*: a ray to every light about which the points disagree, whose V̂_i is then V_i. Where they agree they are believed, so
-//!   that what is thinner than the mesh is missed;
+//! - *hybrid*: a ray to every light about which the points disagree, whose V̂_i is then V_i; of those that give but little of the light
+//!   only some, chosen by what there is to gain (below), so that the others are counted without bias. Where points agree they
+//!   are believed, unless the light is below the surface, beyond points that are hidden from it, or gives much of the light: what is
+//!   thinner than the mesh can be missed;
 //! - *unbiased*: K rays whatever the mesh says, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j) c_j / p_j is added: the
 //!   mesh is a control variate of light sampling, and the expectation is the exact sum whatever it says.
 //!
@@ -28,6 +30,24 @@ use crate::scene::{LANES, Receiver, Scene, Term};
 /// The doubt that is left where all points agree, in units of the standard deviation of a visibility.
 const DOUBT: f32 = 0.08;
 
+/// How much of the light at a surface the mesh is believed about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Care {
+    /// Of disputed lights, each that gives this part of all light (unshadowed), or more, gets a ray, and the others together one
+    /// for each such part.
+    pub quantum: f32,
+    /// A light that gives this part or more gets a ray whatever the points agree on.
+    pub much: f32,
+}
+
+impl Care {
+    /// That of the hybrid method. Measured at 1/80 of the longest edge, error against exact light and shadow rays per hit for the room
+    /// with 15 and 100 lights and for Sponza: without `much` 1.1, 0.4, 4.7% and 1.4, 9.1, 3.3 rays; with 0.25 of it 1.0, 0.4, 2.4%
+    /// and 2.2, 9.3, 4.0; a quantum of 0.003 then leaves the errors and 2.2, 6.8, 3.8 rays, one of 0.02 makes them 1.1, 1.0, 2.7%
+    /// with 1.9, 2.5, 2.6.
+    pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: 0.18 };
+}
+
 /// Buffers, one set per worker, kept between calls.
 #[derive(Debug, Default)]
 pub(super) struct ByLight {
@@ -44,26 +64,67 @@ pub(super) struct ByLight {
 }
 
 impl ByLight {
-    /// Direct irradiance, lux per channel, with a ray to every disputed light that shines on the surface; and how many these were.
+    /// Direct irradiance, lux per channel, with rays to the lights that are disputed or give much; and how many rays these were.
     pub(super) fn hybrid(
         &mut self,
         scene: &Scene,
         falloff: Falloff,
         vertex: &Vertex,
         agreement: &Agreement,
+        (care, seed): (Care, u32),
     ) -> (Vec3, u64) {
-        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff));
+        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
         let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, &mut self.terms);
+        let (terms, masses) = (&mut self.terms, &mut self.masses);
+        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, masses);
         self.clear_rays();
+        let mass = |term: &Term| lights.intensity(term.lane as usize).element_sum() / 3.0 * term.factor;
+        let total = self.masses.iter().sum::<f32>() + self.terms.iter().map(mass).sum::<f32>();
+
+        // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
+        let quantum = care.quantum * total;
+        let mut next = quantum * random(seed, 0);
         for term in &self.terms {
-            let lane = disputed[term.index] as usize;
+            let lane = term.lane as usize;
+            let c = lights.intensity(lane) * term.factor;
+            let v = agreement.estimate(term);
+            let doubt = mass(term) * if term.index.is_some() { 2.0 * (v * (1.0 - v)).sqrt() } else { 1.0 };
+            let (weight, expected) = if doubt >= quantum {
+                (c, 0.0)
+            } else {
+                sum += c * v;
+                next -= doubt;
+                if next >= 0.0 {
+                    continue;
+                }
+                next += quantum;
+                (c * (quantum / doubt), v)
+            };
             self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(term.direction)));
-            self.weights.push(lights.intensity(lane) * term.factor);
+            self.weights.push(weight);
+            self.expected.push(expected);
+        }
+
+        // Nobody is believed about a light that gives much of what there is.
+        let much = care.much * total;
+        for block in 0..self.masses.len() {
+            if !(self.masses[block] > much) {
+                continue;
+            }
+            let factors = lights.block_terms(scene.level(), &receiver, block);
+            for (i, (direction, factor)) in factors.into_iter().enumerate() {
+                let lane = block * LANES + i;
+                let c = lights.intensity(lane) * factor;
+                if c.element_sum() / 3.0 > much && !self.terms.iter().any(|term| term.lane as usize == lane) {
+                    self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(direction)));
+                    self.weights.push(c);
+                    self.expected.push(sure[lane]);
+                }
+            }
         }
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for (&c, &v) in self.weights.iter().zip(&self.visible) {
-            sum += c * v;
+        for ((&c, &v), &expected) in self.weights.iter().zip(&self.visible).zip(&self.expected) {
+            sum += c * (v - expected);
         }
         (sum, self.rays.len() as u64)
     }
@@ -77,18 +138,17 @@ impl ByLight {
         agreement: &Agreement,
         (count, seed): (u32, u32),
     ) -> (Vec3, u64) {
-        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff));
+        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
         let Self { terms, masses, estimates, .. } = self;
         let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let mut sum =
-            lights.weighted_irradiance_and_masses(scene.level(), &receiver, sure, disputed, terms, masses);
+        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, masses);
         masses.iter_mut().for_each(|mass| *mass *= DOUBT);
 
         // Disputed lights: their mean, and how much there is to gain from a ray.
         estimates.clear();
         for term in terms.iter() {
-            let c = lights.intensity(disputed[term.index] as usize) * term.factor;
-            let v = agreement.estimate(term.index);
+            let c = lights.intensity(term.lane as usize) * term.factor;
+            let v = agreement.estimate(term);
             sum += c * v;
             estimates.push(v);
             masses.push(c.element_sum() / 3.0 * ((v * (1.0 - v)).sqrt() + DOUBT));
@@ -123,7 +183,7 @@ impl ByLight {
                 (lane, direction, factor / (p * share), sure[lane])
             } else {
                 let term = self.terms[entry - blocks];
-                (disputed[term.index] as usize, term.direction, term.factor / p, self.estimates[entry - blocks])
+                (term.lane as usize, term.direction, term.factor / p, self.estimates[entry - blocks])
             };
             self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(direction)));
             self.weights.push(lights.intensity(lane) * (weight / count as f32));
@@ -176,8 +236,8 @@ impl ByLight {
     }
 }
 
-fn receiver(vertex: &Vertex, falloff: Falloff) -> Receiver {
-    Receiver { position: vertex.position, n: vertex.n, falloff }
+fn receiver(vertex: &Vertex, falloff: Falloff, agreement: &Agreement) -> Receiver {
+    Receiver { position: vertex.position, n: vertex.n, ng: vertex.ng, doubt: agreement.doubt, falloff }
 }
 
 /// The i-th number in [0, 1) of a seed.

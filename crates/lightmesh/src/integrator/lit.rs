@@ -6,7 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Vertex;
-use super::by_light::ByLight;
+use super::by_light::{ByLight, Care};
 use super::direct::Scratch;
 use super::sampling::{hash, seed_of_place};
 use crate::light_mesh::{DirectField, LightsReading, Marks, Reading, Sight};
@@ -73,6 +73,14 @@ impl LitVertices {
         self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
     }
 
+    /// Lets every vertex wait to be shaded.
+    fn await_all(&mut self) {
+        self.direct.clear();
+        self.direct.resize(self.vertices.len(), Vec3::ZERO);
+        self.waiting.clear();
+        self.waiting.extend(0..self.vertices.len() as u32);
+    }
+
     /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
     /// waiting.
     fn shade_by_mesh(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, sight: Sight) {
@@ -96,7 +104,14 @@ impl LitVertices {
     }
 
     /// The same, light by light.
-    fn shade_by_light(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, shading: Shading) {
+    fn shade_by_light(
+        &mut self,
+        scene: &Scene,
+        falloff: Falloff,
+        field: &DirectField,
+        marks: &Marks,
+        shading: Shading,
+    ) {
         let mut reader = field.reader(scene, Sight::Every);
         let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
@@ -104,7 +119,8 @@ impl LitVertices {
             let (irradiance, rays) = match (reader.read_lights(vertex, marks), shading) {
                 (LightsReading::Empty, _) => return true,
                 (LightsReading::Agreement(agreement), Shading::Hybrid) => {
-                    by_light.hybrid(scene, falloff, vertex, agreement)
+                    let seed = seed_of_place(vertex.position);
+                    by_light.hybrid(scene, falloff, vertex, agreement, (Care::HYBRID, seed))
                 }
                 // More rays than lights: each gets its own.
                 (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
@@ -160,7 +176,10 @@ impl DirectLighting<'_, '_> {
         let shading = Shading::new(self.options, sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();
-        lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
+        lists.par_iter_mut().for_each(|list| match shading {
+            Shading::MeanVisibility => list.sum_unshadowed(scene, falloff),
+            _ => list.await_all(),
+        });
         seconds.shade += started.elapsed().as_secs_f64();
         // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
         loop {

@@ -1,90 +1,110 @@
 //! What the mesh points around a surface agree on, light by light.
 
-use super::light_bits::LightBits;
+use glam::Vec3;
 
-/// What some mesh points say of each light together. It is kept as long as the same points are read.
-#[derive(Debug, Default)]
+use super::light_bits::LightBits;
+use crate::scene::Term;
+
+/// What some mesh points say of each light together. The count is kept as long as the same points are read.
+#[derive(Debug)]
 pub(crate) struct Agreement {
-    /// Whose votes have been counted, and who is read now.
+    /// Whose votes have been counted, and who is read now, with φ4.
+    counted: Vec<u32>,
     points: Vec<u32>,
-    read: Vec<u32>,
+    weights: Vec<f32>,
     /// By lane: 1 where all points receive the whole of a light, 0 where none receives any or they disagree.
     pub sure: Vec<f32>,
     /// The lanes about which they disagree, ascending.
     pub disputed: Vec<u32>,
     /// What the points of each disputed lane say: `seen` and `open`, a bit per point.
     votes: Vec<(u32, u32)>,
-    /// φ4 of the points, with sum 1.
-    weights: Vec<f32>,
+    /// Lights on this side of the surface may be hidden by what hides points there; zero: no point is hidden.
+    pub doubt: Vec3,
 }
 
 impl Agreement {
-    /// Most points whose votes are counted.
+    /// Most points that are heard.
     const MAX_POINTS: usize = 32;
 
-    /// Forgets which points were read.
+    /// Of no points, about so many lanes.
+    pub(super) fn new(lanes: usize) -> Self {
+        Self {
+            counted: Vec::new(),
+            points: Vec::new(),
+            weights: Vec::new(),
+            sure: vec![0.0; lanes],
+            disputed: Vec::new(),
+            votes: Vec::new(),
+            doubt: Vec3::ZERO,
+        }
+    }
+
+    /// Forgets which points were read; `doubt` is about the next ones.
     #[inline(always)]
-    pub(super) fn begin(&mut self) {
-        self.read.clear();
+    pub(super) fn begin(&mut self, doubt: Vec3) {
+        self.points.clear();
         self.weights.clear();
+        self.doubt = doubt;
     }
 
     /// Adds a point that is read with weight φ4.
     #[inline(always)]
     pub(super) fn add(&mut self, point: u32, weight: f32) {
-        if self.read.len() < Self::MAX_POINTS {
-            self.read.push(point);
+        if self.points.len() < Self::MAX_POINTS {
+            self.points.push(point);
             self.weights.push(weight);
         }
     }
 
     /// Takes what the points say.
     #[inline(always)]
-    pub(super) fn ask(&mut self, bits: &LightBits, lanes: usize) {
-        let sum: f32 = self.weights.iter().sum();
-        self.weights.iter_mut().for_each(|weight| *weight /= sum);
-        if self.points != self.read {
-            std::mem::swap(&mut self.points, &mut self.read);
-            self.count(bits, lanes);
+    pub(super) fn ask(&mut self, bits: &LightBits) -> &Self {
+        if self.counted != self.points {
+            self.counted.clone_from(&self.points);
+            self.count(bits);
         }
+        self
     }
 
-    /// Counts the votes of other points than before.
-    fn count(&mut self, bits: &LightBits, lanes: usize) {
-        self.sure.clear();
-        self.sure.resize(lanes, 0.0);
+    /// Counts the votes.
+    fn count(&mut self, bits: &LightBits) {
         self.disputed.clear();
         self.votes.clear();
-        for word in 0..lanes.div_ceil(64) {
+        for (word, sure) in self.sure.chunks_mut(64).enumerate() {
             let (mut all, mut any) = (u64::MAX, 0);
             for &point in &self.points {
                 let (seen, open) = bits.rows(point);
                 all &= seen[word];
                 any |= open[word];
             }
-            let lane = |bit: u32| word as u32 * 64 + bit;
-            for bit in ones(all) {
-                self.sure[lane(bit) as usize] = 1.0;
+            for (bit, sure) in sure.iter_mut().enumerate() {
+                *sure = (all >> bit & 1) as f32;
             }
             for bit in ones(any & !all) {
-                self.disputed.push(lane(bit));
                 let (mut seen_by, mut open_to) = (0, 0);
                 for (i, &point) in self.points.iter().enumerate() {
                     let (seen, open) = bits.rows(point);
-                    seen_by |= (seen[word] >> bit & 1) as u32 * (1 << i);
-                    open_to |= (open[word] >> bit & 1) as u32 * (1 << i);
+                    seen_by |= ((seen[word] >> bit & 1) as u32) << i;
+                    open_to |= ((open[word] >> bit & 1) as u32) << i;
                 }
+                self.disputed.push(word as u32 * 64 + bit);
                 self.votes.push((seen_by, open_to));
             }
         }
     }
 
-    /// V̂ of the i-th disputed lane: the weighted mean of what the points say, a half for those that cannot tell.
+    /// V̂ of a light: the weighted mean of what the points say, a half for those that cannot tell.
     #[inline(always)]
-    pub(crate) fn estimate(&self, i: usize) -> f32 {
-        let (seen, open) = self.votes[i];
+    pub(crate) fn estimate(&self, term: &Term) -> f32 {
+        let Some(i) = term.index else { return self.sure[term.lane as usize] };
+        let (seen, open) = self.votes[i as usize];
         let vote = |k: usize| 0.5 * ((seen >> k & 1) + (open >> k & 1)) as f32;
-        self.weights.iter().enumerate().map(|(k, weight)| weight * vote(k)).sum::<f32>().clamp(0.0, 1.0)
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (k, weight) in self.weights.iter().enumerate() {
+            sum += weight * vote(k);
+            total += weight;
+        }
+        sum / total
     }
 }
 
@@ -99,8 +119,6 @@ fn ones(mut word: u64) -> impl Iterator<Item = u32> {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
 
     /// Two points: both see lane 0, neither lane 1, one lane 2, one lane 3 through glass.
@@ -110,12 +128,13 @@ mod tests {
         let pack = |v: [f32; 4]| bits.pack(&[0, 1, 2, 3], &v.map(Vec3::splat), &[!0xf]);
         let points = [pack([1.0, 0.0, 1.0, 0.0]), pack([1.0, 0.0, 0.0, 0.4])];
         points.iter().for_each(|point| bits.push(point));
-        let mut agreement = Agreement::default();
+        let mut agreement = Agreement::new(16);
         let mut ask = |weights: [f32; 2]| {
-            agreement.begin();
+            agreement.begin(Vec3::ZERO);
             weights.iter().enumerate().for_each(|(point, &weight)| agreement.add(point as u32, weight));
-            agreement.ask(&bits, 16);
-            [0, 1].map(|i| agreement.estimate(i))
+            let agreement = agreement.ask(&bits);
+            let term = |i| Term { lane: 2 + i, index: Some(i), direction: Vec3::Y, factor: 1.0 };
+            [0, 1].map(|i| agreement.estimate(&term(i)))
         };
         assert_eq!(ask([3.0, 1.0]), [0.75, 0.125]);
         // The same points again: other weights, the same votes.

@@ -9,7 +9,7 @@ use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
 use super::light_bits::LightBits;
 use super::marks::Marks;
-use super::neighbourhood::{Neighbourhood, bits};
+use super::neighbourhood::{Neighbourhood, bits as corners_of};
 use super::points::Points;
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Known, Outcome, Reader, Sight};
@@ -41,7 +41,9 @@ impl Field {
     pub(super) fn of(options: &RenderOptions) -> Self {
         match options.method {
             Method::Paper => Self::Scalar { falloff: options.field_falloff, scale: options.paper_scale },
-            Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => Self::SixAxis { falloff: options.falloff },
+            Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => {
+                Self::SixAxis { falloff: options.falloff }
+            }
         }
     }
 
@@ -138,8 +140,7 @@ impl DirectField {
             known: Known::default(),
             visible: [Vec4::ZERO; 8],
             all: [Vec4::ZERO; 8],
-            agreement: Agreement::default(),
-            lanes: scene.lights().lanes(),
+            agreement: Agreement::new(scene.lights().lanes()),
         }
     }
 
@@ -244,7 +245,6 @@ pub(crate) struct DirectReader<'a> {
     all: [Vec4; 8],
     /// What the points that were read last know of each light.
     agreement: Agreement,
-    lanes: usize,
 }
 
 impl DirectReader<'_> {
@@ -271,7 +271,7 @@ impl DirectReader<'_> {
         };
         if !self.known.goes_on(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
-            for k in bits(seen.mask) {
+            for k in corners_of(seen.mask) {
                 let (v, a) = self.field.fold(self.reader.index(k), vertex.n);
                 let weight = seen.weights[k / 4][k % 4];
                 visible += v * weight;
@@ -296,16 +296,27 @@ impl DirectReader<'_> {
     #[inline(always)]
     pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
         let Some(bits) = &self.field.bits else { return LightsReading::Nothing };
-        self.agreement.begin();
         let agreement = &mut self.agreement;
-        match self.reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
-            Outcome::Read => {
-                self.agreement.ask(bits, self.lanes);
-                LightsReading::Agreement(&self.agreement)
-            }
-            Outcome::Nothing => LightsReading::Nothing,
-            Outcome::Empty => LightsReading::Empty,
+        if !self.reader.reads_cells() {
+            agreement.begin(Vec3::ZERO);
+            return match self.reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
+                Outcome::Read => LightsReading::Agreement(agreement.ask(bits)),
+                Outcome::Nothing => LightsReading::Nothing,
+                Outcome::Empty => LightsReading::Empty,
+            };
         }
+        let seen = match self.reader.corners(vertex, marks) {
+            Ok(seen) => seen,
+            Err(Outcome::Empty) => return LightsReading::Empty,
+            Err(_) => return LightsReading::Nothing,
+        };
+        // Lights beyond corners that are missing are beyond what hides these.
+        let doubt = if seen.missing == 0 { Vec3::ZERO } else { self.reader.towards(vertex, seen.missing) };
+        agreement.begin(doubt);
+        for k in corners_of(seen.mask) {
+            agreement.add(self.reader.index(k), seen.weights[k / 4][k % 4]);
+        }
+        LightsReading::Agreement(agreement.ask(bits))
     }
 
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0

@@ -70,6 +70,8 @@ pub(super) struct Seen {
     pub mask: u8,
     /// φ4 by corner; 0 for the others.
     pub weights: ByCorner,
+    /// The corners that it wanted to read but cannot: they are inside solids or hidden from it.
+    pub missing: u8,
 }
 
 /// Which corners a field's reader knows the light of: for one normal, as long as the cell stays.
@@ -239,7 +241,8 @@ impl<'a> Reader<'a> {
             return Err(Outcome::Nothing);
         }
         let [lower, upper] = stencil.weights;
-        Ok(Seen { mask, weights: [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]] })
+        let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
+        Ok(Seen { mask, weights, missing: stencil.read & !mask })
     }
 
     /// Whether the usable corners are but the lesser part of what the vertex wants to read, the rest being inside solids. What
@@ -260,6 +263,12 @@ impl<'a> Reader<'a> {
     #[inline(always)]
     pub(super) fn visits(&self) -> u64 {
         self.visits
+    }
+
+    /// The mean direction, not of unit length, from a vertex to some corners of its cell.
+    pub(super) fn towards(&self, vertex: &Vertex, corners: u8) -> Vec3 {
+        let lattice = &self.points.lattice;
+        bits(corners).map(|k| lattice.point(corner(self.cell, k)) - vertex.position).sum()
     }
 
     /// The index of corner k, which is filled.

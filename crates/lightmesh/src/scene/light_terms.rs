@@ -10,8 +10,9 @@ use crate::Falloff;
 /// One light as it shines on a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Term {
-    /// Its place in the list of those that were asked for.
-    pub index: usize,
+    pub lane: u32,
+    /// Its place in the list of those that were asked for; `None`: it is none of them, but doubtful.
+    pub index: Option<u32>,
     /// Towards it.
     pub direction: Vec3,
     /// f max(0, n · d): what its intensity is multiplied by.
@@ -23,28 +24,21 @@ pub(crate) struct Term {
 pub(crate) struct Receiver {
     /// Metres.
     pub position: Vec3,
-    /// Unit.
+    /// Unit shading normal.
     pub n: Vec3,
+    /// Unit geometric normal: lights below its plane are wanted one by one.
+    pub ng: Vec3,
+    /// So are lights within 60° of this direction, of any length; zero: none are.
+    pub doubt: Vec3,
     /// φ3.
     pub falloff: Falloff,
 }
 
 impl LightSamples {
-    /// Σ w_i c_i, lux per channel, with a weight for every lane; and those of `lanes` (ascending) that shine on the surface.
+    /// Σ w_i c_i, lux per channel, with a weight for every lane, over all lights but the terms: those of `lanes` (ascending)
+    /// and the doubtful ones that shine on the surface. Masses: by block of [`LANES`] lights the sum of c_i, mean over the channels,
+    /// of all lights but the terms.
     pub(crate) fn weighted_irradiance(
-        &self,
-        level: Level,
-        receiver: &Receiver,
-        weights: &[f32],
-        lanes: &[u32],
-        terms: &mut Vec<Term>,
-    ) -> Vec3 {
-        terms.clear();
-        dispatch!(level, simd => weighted_irradiance_simd(simd, self, receiver, weights, lanes, terms, |_| {}))
-    }
-
-    /// The same, and by block of [`LANES`] lights the sum of c_i, mean over the channels, of all lights but `lanes`.
-    pub(crate) fn weighted_irradiance_and_masses(
         &self,
         level: Level,
         receiver: &Receiver,
@@ -57,7 +51,7 @@ impl LightSamples {
         masses.clear();
         let mut sum = Vec3::ZERO;
         dispatch!(level, simd => {
-            sum = weighted_irradiance_simd(simd, self, receiver, weights, lanes, terms, |mass| masses.push(mass));
+            sum = weighted_irradiance_simd(simd, self, receiver, weights, lanes, (terms, masses));
         });
         sum
     }
@@ -75,13 +69,12 @@ fn weighted_irradiance_simd<S: Simd>(
     receiver: &Receiver,
     weights: &[f32],
     lanes: &[u32],
-    terms: &mut Vec<Term>,
-    mut mass_of_block: impl FnMut(f32),
+    (terms, block_masses): (&mut Vec<Term>, &mut Vec<f32>),
 ) -> Vec3 {
-    let Receiver { position, n, falloff } = *receiver;
+    let Receiver { position, n, ng, doubt, falloff } = *receiver;
     let zero = f32x16::splat(simd, 0.0);
     let (mut r, mut g, mut b) = (zero, zero, zero);
-    let (mut index, mut masses) = (0, [0.0; LANES]);
+    let mut index = 0;
     for_each_block(
         simd,
         lights,
@@ -91,33 +84,53 @@ fn weighted_irradiance_simd<S: Simd>(
         |block, first, l| {
             let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(zero) * l.f;
             let [red, green, blue] = [&block.r, &block.g, &block.b].map(|channel| f32x16::from_slice(simd, channel));
-            let weighted = e * f32x16::from_slice(simd, &weights[first..first + LANES]);
+            let mass = e * (red + green + blue) * (1.0 / 3.0);
+            let above = l.dx * ng.x + l.dy * ng.y + l.dz * ng.z;
+            let r2 = l.dx * l.dx + l.dy * l.dy + l.dz * l.dz;
+            let beyond = l.dx * doubt.x + l.dy * doubt.y + l.dz * doubt.z;
+            let doubtful = (above.simd_le(zero)
+                | (beyond * beyond.abs()).simd_gt(r2 * (0.25 * doubt.length_squared())))
+                & mass.simd_gt(zero);
+            let asked = lanes.get(index).is_some_and(|&lane| (lane as usize) < first + LANES);
+            let mut w = f32x16::from_slice(simd, &weights[first..first + LANES]);
+            if asked || doubtful.any_true() {
+                // Some of the block are wanted one by one.
+                let (mut factors, mut d, mut masses, mut ws) =
+                    ([0.0; LANES], [[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
+                e.store_slice(&mut factors);
+                l.dx.store_slice(&mut d[0]);
+                l.dy.store_slice(&mut d[1]);
+                l.dz.store_slice(&mut d[2]);
+                mass.store_slice(&mut masses);
+                w.store_slice(&mut ws);
+                let mut wanted = doubtful.to_bitmask() as u32;
+                let begin = index;
+                while let Some(&lane) = lanes.get(index).filter(|&&lane| (lane as usize) < first + LANES) {
+                    wanted |= 1 << (lane as usize - first);
+                    index += 1;
+                }
+                let mut asked = (begin..index).map(|i| (i as u32, lanes[i])).peekable();
+                while wanted != 0 {
+                    let i = wanted.trailing_zeros() as usize;
+                    wanted &= wanted - 1;
+                    let lane = (first + i) as u32;
+                    let index = asked.next_if(|&(_, asked)| asked == lane).map(|(index, _)| index);
+                    ws[i] = 0.0;
+                    masses[i] = 0.0;
+                    if factors[i] > 0.0 {
+                        let direction = Vec3::new(d[0][i], d[1][i], d[2][i]);
+                        terms.push(Term { lane, index, direction, factor: factors[i] });
+                    }
+                }
+                w = f32x16::from_slice(simd, &ws);
+                block_masses.push(masses.iter().sum());
+            } else {
+                block_masses.push(sum(mass));
+            }
+            let weighted = e * w;
             r += weighted * red;
             g += weighted * green;
             b += weighted * blue;
-            let mass = e * (red + green + blue) * (1.0 / 3.0);
-            let Some(&next) = lanes.get(index).filter(|&&lane| (lane as usize) < first + LANES) else {
-                mass_of_block(sum(mass));
-                return;
-            };
-            // Some of the block are wanted one by one.
-            let (mut factors, mut d) = ([0.0; LANES], [[0.0; LANES]; 3]);
-            e.store_slice(&mut factors);
-            l.dx.store_slice(&mut d[0]);
-            l.dy.store_slice(&mut d[1]);
-            l.dz.store_slice(&mut d[2]);
-            mass.store_slice(&mut masses);
-            let mut next = Some(next);
-            while let Some(lane) = next {
-                let i = lane as usize - first;
-                masses[i] = 0.0;
-                if factors[i] > 0.0 {
-                    terms.push(Term { index, direction: Vec3::new(d[0][i], d[1][i], d[2][i]), factor: factors[i] });
-                }
-                index += 1;
-                next = lanes.get(index).copied().filter(|&lane| (lane as usize) < first + LANES);
-            }
-            mass_of_block(masses.iter().sum());
         },
     );
     Vec3::new(sum(r), sum(g), sum(b))
@@ -139,8 +152,8 @@ fn block_terms_simd<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::emitters::LightSample;
     use crate::scene::Light;
+    use crate::scene::emitters::LightSample;
 
     fn lights() -> LightSamples {
         let light = |i: i32| Light::Point {
@@ -155,22 +168,27 @@ mod tests {
     #[test]
     fn parts_make_the_whole() {
         let (lights, level) = (lights(), Level::new());
-        let receiver =
-            Receiver { position: Vec3::new(0.1, -0.2, 0.3), n: Vec3::new(0.6, 0.8, 0.0), falloff: Falloff::InverseSquare };
+        let receiver = Receiver {
+            position: Vec3::new(0.1, -0.2, 0.3),
+            n: Vec3::new(0.6, 0.8, 0.0),
+            ng: Vec3::new(0.6, 0.8, 0.0),
+            doubt: Vec3::ZERO,
+            falloff: Falloff::InverseSquare,
+        };
         let mut plain = Vec::new();
         lights.irradiance(level, receiver.falloff, [(receiver.position, receiver.n)].into_iter(), &mut plain);
         let (mut terms, mut masses) = (Vec::new(), Vec::new());
         let ones = vec![1.0; lights.lanes()];
-        assert_eq!(lights.weighted_irradiance(level, &receiver, &ones, &[], &mut terms), plain[0]);
+        assert_eq!(lights.weighted_irradiance(level, &receiver, &ones, &[], &mut terms, &mut masses), plain[0]);
 
         let all: Vec<u32> = (0..lights.lanes() as u32).collect();
         let zeros = vec![0.0; lights.lanes()];
-        let nothing = lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms);
-        let sum: Vec3 = terms.iter().map(|t| lights.intensity(t.index) * t.factor).sum();
+        let nothing = lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut masses);
+        let sum: Vec3 = terms.iter().map(|t| lights.intensity(t.lane as usize) * t.factor).sum();
         assert!(nothing == Vec3::ZERO && (sum - plain[0]).length() < 1e-5 * sum.length());
 
-        lights.weighted_irradiance_and_masses(level, &receiver, &ones, &all[..20], &mut terms, &mut masses);
-        let asked: f32 = terms.iter().map(|t| (lights.intensity(t.index) * t.factor).element_sum() / 3.0).sum();
+        lights.weighted_irradiance(level, &receiver, &ones, &all[..20], &mut terms, &mut masses);
+        let asked: f32 = terms.iter().map(|t| (lights.intensity(t.lane as usize) * t.factor).element_sum() / 3.0).sum();
         let (rest, whole) = (masses.iter().sum::<f32>(), plain[0].element_sum() / 3.0);
         assert!((asked + rest - whole).abs() < 1e-5 * whole);
     }
@@ -178,12 +196,18 @@ mod tests {
     #[test]
     fn a_block_alone_is_the_block_in_the_sum() {
         let (lights, level) = (lights(), Level::new());
-        let receiver = Receiver { position: Vec3::ZERO, n: Vec3::Y, falloff: Falloff::InverseSquare };
+        let receiver = Receiver {
+            position: Vec3::ZERO,
+            n: Vec3::Y,
+            ng: Vec3::Y,
+            doubt: Vec3::ZERO,
+            falloff: Falloff::InverseSquare,
+        };
         let all: Vec<u32> = (0..lights.lanes() as u32).collect();
-        let (mut terms, zeros) = (Vec::new(), vec![0.0; lights.lanes()]);
-        lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms);
+        let (mut terms, mut masses, zeros) = (Vec::new(), Vec::new(), vec![0.0; lights.lanes()]);
+        lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut masses);
         for term in &terms {
-            let alone = lights.block_terms(level, &receiver, term.index / LANES)[term.index % LANES];
+            let alone = lights.block_terms(level, &receiver, term.lane as usize / LANES)[term.lane as usize % LANES];
             assert_eq!(alone, (term.direction, term.factor));
         }
     }
