@@ -36,12 +36,13 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
     options.validate()?;
-    match progress.viewer() {
+    let viewer = progress.viewer();
+    match viewer {
         Some(_) => options.check_viewed_picture_memory()?,
         None => options.check_picture_memory()?,
     }
     let started = Instant::now();
-    let mut watch = Watch::new(progress, started, options.time_limit);
+    let mut watch = Watch::new(progress, viewer, started, options.time_limit);
     let mut film = Film::new(camera, options);
     let mut stats = match options.method {
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
@@ -69,7 +70,7 @@ pub fn render(
         stats.indirect = mesh.indirect_stats();
         stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
     }
-    if let Some(viewer) = progress.viewer() {
+    if let Some(viewer) = viewer {
         viewer.show(image.clone());
     }
     Ok(Frame { image, layers, stats })

@@ -60,10 +60,9 @@ fn render_for_hours(place: &Place, stderr: Stdio) -> Child {
     child
 }
 
-fn interrupt(mut child: Child) -> Child {
+fn interrupt(child: &mut Child) {
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    child
 }
 
 /// Early, and after Ctrl-C still there, whole: a picture of the full size that `compare` reads.
@@ -71,7 +70,8 @@ fn interrupt(mut child: Child) -> Child {
 fn ctrl_c_leaves_the_preview_whole() {
     let place = Place::new();
     fs::create_dir(place.path("views")).unwrap();
-    interrupt(render_for_hours(&place, Stdio::null()));
+    let mut child = render_for_hours(&place, Stdio::null());
+    interrupt(&mut child);
     let left: Vec<_> = fs::read_dir(place.path("views")).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(left, ["so-far.png"]);
     assert_eq!(place.files(), ["scene.gltf", "views"]);
@@ -83,11 +83,11 @@ fn ctrl_c_leaves_the_preview_whole() {
 fn a_preview_that_fails_later_is_one_warning() {
     let place = Place::new();
     fs::create_dir(place.path("views")).unwrap();
-    let child = render_for_hours(&place, Stdio::piped());
+    let mut child = render_for_hours(&place, Stdio::piped());
     fs::remove_dir_all(place.path("views")).unwrap();
     thread::sleep(Duration::from_millis(3500));
-    let stderr = interrupt(child).stderr.take().unwrap();
-    let said = std::io::read_to_string(stderr).unwrap();
+    interrupt(&mut child);
+    let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     let said: Vec<&str> = said.lines().filter(|line| line.contains("preview")).collect();
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].starts_with("warning: the preview") && said[0].contains("so-far.png"), "{said:?}");

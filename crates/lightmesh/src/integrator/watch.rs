@@ -24,8 +24,13 @@ pub(crate) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     /// A watch over a render that started at `started` and may take `limit`.
-    pub(crate) fn new(progress: &'a dyn Progress, started: Instant, limit: Option<Duration>) -> Self {
-        Self { progress, viewer: progress.viewer(), started, limit, wave_started: started, rate: None }
+    pub(crate) fn new(
+        progress: &'a dyn Progress,
+        viewer: Option<&'a dyn Viewer>,
+        started: Instant,
+        limit: Option<Duration>,
+    ) -> Self {
+        Self { progress, viewer, started, limit, wave_started: started, rate: None }
     }
 
     /// Whether there is a time limit.
