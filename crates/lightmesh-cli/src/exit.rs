@@ -33,14 +33,22 @@ impl Failure {
         Self::Work(error.into())
     }
 
+    /// What it is, in one line with its chain of causes.
+    pub(crate) fn message(&self) -> String {
+        match self {
+            Self::Input(error) | Self::Work(error) => format!("{error:#}"),
+            Self::Interrupted => "interrupted".to_owned(),
+        }
+    }
+
     /// Says it on stderr, in one line with its chain of causes, and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
-        let (code, error) = match self {
-            Self::Input(error) => (2, error),
-            Self::Work(error) => (1, error),
+        let code = match self {
+            Self::Input(_) => 2,
+            Self::Work(_) => 1,
             Self::Interrupted => return ExitCode::from(INTERRUPTED),
         };
-        terminal::error(&format!("{error:#}"));
+        terminal::error(&self.message());
         ExitCode::from(code)
     }
 }

@@ -44,7 +44,11 @@ pub(crate) fn pressed() -> bool {
 
 /// Has `path` removed where the program is ended.
 pub(crate) fn remove_at_end(path: PathBuf) {
-    TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner).push(path);
+    let mut temporaries = TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner);
+    // A file that is written again and again has the same temporary.
+    if !temporaries.contains(&path) {
+        temporaries.push(path);
+    }
 }
 
 /// Removes the temporaries and ends the program.

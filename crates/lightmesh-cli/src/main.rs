@@ -10,6 +10,7 @@ mod exit;
 mod info;
 mod interrupt;
 mod outputs;
+mod preview;
 mod progress;
 mod render;
 mod settings;

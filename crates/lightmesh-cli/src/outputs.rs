@@ -19,11 +19,14 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    /// Checks each extension, that no file is named twice, and that each can be created.
-    pub(crate) fn check(pictures: &[PathBuf], stats: Option<&Path>) -> Result<Self, Failure> {
+    /// Checks each extension, that no file is named twice, and that each can be created, `preview` too.
+    pub(crate) fn check(pictures: &[PathBuf], stats: Option<&Path>, preview: Option<&Path>) -> Result<Self, Failure> {
         let formats = pictures.iter().map(|path| Ok((path.clone(), Format::of(path).map_err(Failure::input)?)));
         let outputs = Self { pictures: formats.collect::<Result<_, Failure>>()?, stats: stats.map(Path::to_owned) };
-        let all: Vec<&Path> = pictures.iter().map(PathBuf::as_path).chain(stats).collect();
+        let all: Vec<&Path> = pictures.iter().map(PathBuf::as_path).chain(stats).chain(preview).collect();
+        if let Some(path) = preview.filter(|path| !matches!(Format::of(path), Ok(Format::Png))) {
+            return Err(Failure::Input(anyhow!("{}: a preview is a .png file", path.display())));
+        }
         for (i, path) in all.iter().enumerate() {
             if all[..i].contains(path) {
                 return Err(Failure::Input(anyhow!("{}: named twice as an output", path.display())));
@@ -76,7 +79,10 @@ pub(crate) fn commit(files: impl IntoIterator<Item = StagedFile>) -> Result<(), 
 }
 
 /// Creates a file under a temporary name and fills it; an unfinished one is removed, also by Ctrl-C.
-fn stage(target: &Path, write: impl FnOnce(&mut StagedFile) -> io::Result<()>) -> Result<StagedFile, Failure> {
+pub(crate) fn stage(
+    target: &Path,
+    write: impl FnOnce(&mut StagedFile) -> io::Result<()>,
+) -> Result<StagedFile, Failure> {
     let mut file = StagedFile::create(target).map_err(Failure::work)?;
     interrupt::remove_at_end(file.temporary().to_owned());
     write(&mut file).map_err(|error| Failure::Work(anyhow!(error).context(target.display().to_string())))?;

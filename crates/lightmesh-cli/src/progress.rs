@@ -16,14 +16,16 @@ use crate::interrupt;
 pub(crate) struct Bar {
     bar: ProgressBar,
     stage: Mutex<Option<(Stage, Instant)>>,
+    time_limit: Option<Duration>,
 }
 
 impl Bar {
-    /// A bar, or nothing but the way for Ctrl-C where stderr is no terminal or `quiet` is set.
-    pub(crate) fn new(quiet: bool) -> Self {
+    /// A bar, or nothing but the way for Ctrl-C where stderr is no terminal or `quiet` is set. With a time limit it shows how
+    /// much of the time is over, not of the samples.
+    pub(crate) fn new(quiet: bool, time_limit: Option<Duration>) -> Self {
         let bar =
             if quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-        Self { bar, stage: Mutex::new(None) }
+        Self { bar, stage: Mutex::new(None), time_limit }
     }
 
     /// Shows work whose length is not known.
@@ -37,6 +39,11 @@ impl Bar {
     pub(crate) fn clear(&self) {
         self.bar.disable_steady_tick();
         self.bar.finish_and_clear();
+    }
+
+    /// Does what writes to stderr with the bar out of the way.
+    pub(crate) fn set_aside(&self, write: impl FnOnce()) {
+        self.bar.suspend(write);
     }
 
     /// When `stage` began; changes the bar's look where it begins now.
@@ -54,6 +61,7 @@ impl Bar {
                 self.bar.set_style(style.progress_chars("=> "));
                 self.bar.set_message("");
                 self.bar.set_prefix(match stage {
+                    Stage::Sketch => "sketching",
                     Stage::Render => "rendering",
                     Stage::Outlines => "outlines of lamps",
                     _ => "working",
@@ -69,7 +77,12 @@ impl Progress for Bar {
         if self.bar.is_hidden() {
             return;
         }
-        let seconds = self.begin(stage).elapsed().as_secs_f64();
+        let elapsed = self.begin(stage).elapsed();
+        let (done, total) = match self.time_limit {
+            Some(limit) if stage == Stage::Render => (elapsed.min(limit).as_millis() as u64, limit.as_millis() as u64),
+            _ => (done, total),
+        };
+        let seconds = elapsed.as_secs_f64();
         self.bar.set_length(total);
         self.bar.set_position(done);
         if seconds > 0.1 {

@@ -1,17 +1,18 @@
 //! `lightmesh render`.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
-use lightmesh::{Camera, Environment, LightMesh, Scene, SceneData};
-use lightmesh_io::output::{Metadata, Precision, auto_exposure};
+use lightmesh::{Camera, Environment, LightMesh, Progress, RenderOptions, RenderStats, Scene, SceneData};
+use lightmesh_io::output::{Metadata, Precision};
 
 use crate::{
-    args::{EmitterArgs, Exposure, RenderArgs, method_name},
+    args::{EmitterArgs, RenderArgs, method_name},
     camera_choice, environment,
     exit::Failure,
     interrupt,
     outputs::{self, Outputs},
+    preview::Preview,
     progress::Bar,
     settings,
     stats::{self, ImageStats, SecondsStats, Stats},
@@ -32,9 +33,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     options.validate()?;
     args.emitters.options().validate()?;
     if args.size.is_some() {
-        options.check_picture_memory()?;
+        check_memory(args, &options)?;
     }
-    let outputs = Outputs::check(&args.output, args.stats.as_deref())?;
+    let outputs = Outputs::check(&args.output, args.stats.as_deref(), args.preview.as_deref())?;
     if !options.aovs.is_empty() && !outputs.has_exr() {
         return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
     }
@@ -43,7 +44,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
         pool.build_global().context("threads").map_err(Failure::Work)?;
     }
-    let bar = Bar::new(args.quiet);
+    let bar = Bar::new(args.quiet, args.time_limit);
 
     // Read the environment, which fails sooner, and the scene.
     let asked_for = environment::read(&args.emitters, options.max_memory, warn)?;
@@ -70,28 +71,34 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.size.is_none() {
         options.height = camera_choice::height_for(&camera, options.width);
     }
-    options.check_picture_memory()?;
-    let mut mesh = LightMesh::new(&scene, &options)?;
-    let frame = lightmesh::render(&scene, &camera, &options, &mut mesh, &bar);
-    bar.clear();
-    let frame = frame?;
-    stop_if_interrupted()?;
-
-    // Write every file under a temporary name, then give all of them theirs.
-    let output_start = Instant::now();
-    let ev = match args.exposure {
-        Exposure::Ev(ev) => ev,
-        Exposure::Auto => auto_exposure(&frame.image.pixels),
-    };
-    let metadata = Metadata {
+    check_memory(args, &options)?;
+    let mut metadata = Metadata {
         software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
         method: method_name(options.method).to_owned(),
         scene: args.scene.display().to_string(),
         settings: settings::json(&options, &args.emitters, args.load_options().units, &camera.name),
-        seconds: frame.stats.seconds.render,
+        seconds: 0.0,
         spp: options.spp,
         camera,
     };
+    let mut mesh = LightMesh::new(&scene, &options)?;
+    let mut render =
+        |progress: &dyn Progress| lightmesh::render(&scene, &metadata.camera, &options, &mut mesh, progress);
+    let frame = match &args.preview {
+        None => render(&bar),
+        Some(path) => {
+            let preview = Preview { path: path.clone(), exposure: args.exposure, metadata: &metadata };
+            preview.follow(&bar, warn, render)
+        }
+    };
+    bar.clear();
+    let frame = frame?;
+    (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
+    stop_if_interrupted()?;
+
+    // Write every file under a temporary name, then give all of them theirs.
+    let output_start = Instant::now();
+    let ev = args.exposure.for_picture(&frame.image);
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
     let stats = Stats {
@@ -99,7 +106,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         method: method_name(options.method),
         scene: metadata.scene,
         threads: rayon::current_num_threads(),
-        image: ImageStats { width: options.width, height: options.height, spp: options.spp },
+        image: ImageStats { width: options.width, height: options.height, spp: frame.stats.spp },
+        time_limit_reached: frame.stats.time_limit_reached,
         triangles: scene.triangle_count(),
         lights: scene.data().lights.len() as u64,
         light_samples: scene.light_sample_count(),
@@ -125,6 +133,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
         let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
+        if let Some(limit) = args.time_limit {
+            terminal::note(&samples_in_time(limit, &frame.stats));
+        }
         if let Some(note) = left_out(options.bounces, frame.stats.left_out) {
             terminal::note(&note);
         }
@@ -136,6 +147,24 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Refuses a picture that memory does not hold, with what looks at it.
+fn check_memory(args: &RenderArgs, options: &RenderOptions) -> Result<(), Failure> {
+    match args.preview {
+        Some(_) => options.check_viewed_picture_memory()?,
+        None => options.check_picture_memory()?,
+    }
+    Ok(())
+}
+
+/// How many samples a time limit allowed.
+fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
+    let seconds = limit.as_secs_f64();
+    match stats.time_limit_reached {
+        true => format!("{} sample(s) per pixel in the limit of {seconds} s", stats.spp),
+        false => format!("all {} sample(s) per pixel, before the limit of {seconds} s", stats.spp),
+    }
 }
 
 /// What is known of the light that more bounces would bring.

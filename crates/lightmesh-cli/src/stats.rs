@@ -11,6 +11,8 @@ pub(crate) struct Stats {
     pub(crate) scene: String,
     pub(crate) threads: usize,
     pub(crate) image: ImageStats,
+    /// Whether `--time-limit` ended the render before all samples were taken.
+    pub(crate) time_limit_reached: bool,
     pub(crate) triangles: u64,
     pub(crate) lights: u64,
     pub(crate) light_samples: u64,
@@ -30,6 +32,7 @@ pub(crate) struct Stats {
 pub(crate) struct ImageStats {
     pub(crate) width: u32,
     pub(crate) height: u32,
+    /// Those that every pixel has.
     pub(crate) spp: u32,
 }
 

@@ -77,6 +77,11 @@ pub struct MeshStats {
 /// What a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
+    /// Samples that every pixel has; fewer than [`RenderOptions::spp`](crate::RenderOptions::spp) where the time limit was
+    /// reached: some pixels may have an eighth more then, or one more. Outlines of lamps have more (64).
+    pub spp: u32,
+    /// Whether the time limit ended the work before all samples were taken.
+    pub time_limit_reached: bool,
     /// By step.
     pub seconds: Seconds,
     /// By purpose.

@@ -55,6 +55,7 @@ mod options;
 mod progress;
 mod render;
 mod scene;
+mod viewer;
 
 pub use aov::{Aov, Aovs, Layer};
 pub use error::Error;
@@ -67,3 +68,4 @@ pub use scene::{
     AlphaMode, Camera, EmitterOptions, Environment, FilmRays, Filter, ImageData, Instance, Light, Material, Projection,
     Scene, SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, soft_environment,
 };
+pub use viewer::Viewer;

@@ -1,5 +1,7 @@
 //! What the user may choose; the command line and Python take their defaults from here.
 
+use std::time::Duration;
+
 use crate::{Aovs, Error};
 
 /// How light is computed.
@@ -111,8 +113,13 @@ pub struct RenderOptions {
     pub width: u32,
     /// Picture height, pixels.
     pub height: u32,
-    /// Samples per pixel, box filter of one pixel; 1 samples the pixel's centre.
+    /// Samples per pixel, box filter of one pixel, 1 to 65536; 1 samples the pixel's centre. With a time limit, the most.
     pub spp: u32,
+    /// Render time, from the built scene, after which no more samples are taken, above 0; `None`: all are. Every pixel gets one
+    /// sample however long that takes. How many there are in time depends on the machine and what else it does, and so does
+    /// the picture; where the limit is not reached, last bits may differ from the picture without a limit, as sums are
+    /// rounded in another order.
+    pub time_limit: Option<Duration>,
     /// Diffuse interreflections; 0 is direct light only, 1 the paper. At most 4096. [`Method::Standard`] computes none.
     pub bounces: u32,
     /// How many mirror and refraction events a ray may meet in a row.
@@ -150,6 +157,7 @@ impl Default for RenderOptions {
             width: 1280,
             height: 720,
             spp: 4,
+            time_limit: None,
             bounces: 3,
             depth: 8,
             cutoff: 1e-3,
@@ -176,9 +184,23 @@ impl RenderOptions {
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_picture_memory(&self) -> Result<(), Error> {
-        const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
+        self.check_memory(Self::BYTES_PER_PIXEL)
+    }
+
+    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the picture
+    /// that is shown and its 8-bit copy.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`]; nothing has been allocated.
+    pub fn check_viewed_picture_memory(&self) -> Result<(), Error> {
+        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 3)
+    }
+
+    const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
+
+    fn check_memory(&self, bytes_per_pixel: u64) -> Result<(), Error> {
         let pixels = u64::from(self.width) * u64::from(self.height);
-        let needed_bytes = pixels.saturating_mul(BYTES_PER_PIXEL + self.aovs.bytes_per_pixel());
+        let needed_bytes = pixels.saturating_mul(bytes_per_pixel + self.aovs.bytes_per_pixel());
         // Pixels are counted in 32 bits.
         if needed_bytes <= self.max_memory && pixels <= u64::from(u32::MAX) {
             return Ok(());
@@ -206,6 +228,9 @@ impl RenderOptions {
         }
         if self.spp == 0 || self.spp > 1 << 16 {
             return bad("spp", format!("must be between 1 and 65536, not {}", self.spp));
+        }
+        if self.time_limit.is_some_and(|limit| limit.is_zero()) {
+            return bad("time-limit", "must be above 0 seconds".into());
         }
         for (option, spacing) in [("spacing", self.spacing), ("indirect-spacing", self.indirect_spacing)] {
             if let Spacing::Metres(x) | Spacing::Fraction(x) = spacing

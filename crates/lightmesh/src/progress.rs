@@ -3,11 +3,15 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use crate::Viewer;
+
 /// What is being done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Tracing and shading a picture's samples; counts samples.
+    /// Making a first sketch for a [`Viewer`]; counts samples.
+    Sketch,
+    /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.
     Outlines,
@@ -24,6 +28,11 @@ pub trait Progress: Sync {
     /// Whether the work should stop; asked every few milliseconds.
     fn cancelled(&self) -> bool {
         false
+    }
+
+    /// Who looks at the picture while it is made; `None`: nobody. Asked once, when a render begins.
+    fn viewer(&self) -> Option<&dyn Viewer> {
+        None
     }
 }
 
@@ -73,7 +82,7 @@ impl<'a> Reporter<'a> {
     }
 }
 
-/// The stage ends: finished, cancelled or failed.
+/// The stage ends: finished, out of time, cancelled or failed.
 impl Drop for Reporter<'_> {
     fn drop(&mut self) {
         self.progress.report(self.stage, *self.done.get_mut(), self.total, *self.rays.get_mut());

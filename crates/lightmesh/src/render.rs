@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::aov::{Dots, paint};
 use crate::film::Film;
-use crate::integrator::{Lighting, render_path, render_waves};
+use crate::integrator::{Lighting, Watch, render_path, render_waves};
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// A finished picture and what it took.
@@ -20,9 +20,10 @@ pub struct Frame {
     pub stats: RenderStats,
 }
 
-/// Renders one picture in rayon's current thread pool. `mesh` is read and filled by the methods that
-/// have one ([`Method::has_mesh`]); keep it between frames of the same scene, and what one frame filled the next one only reads.
-/// The picture is the same bit for bit whatever the number of threads, and whatever frames came before.
+/// Renders one picture in rayon's current thread pool. `mesh` is read and filled by the methods that have one
+/// ([`Method::has_mesh`]); keep it between frames of the same scene, and what one frame filled the next one only reads.
+/// The picture is the same bit for bit whatever the number of threads, whatever frames came before and whether a
+/// [`Viewer`](crate::Viewer) looks at it, unless its time is limited.
 ///
 /// # Errors
 /// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before an
@@ -35,20 +36,27 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
     options.validate()?;
-    options.check_picture_memory()?;
+    let viewer = progress.viewer();
+    match viewer {
+        Some(_) => options.check_viewed_picture_memory()?,
+        None => options.check_picture_memory()?,
+    }
     let started = Instant::now();
+    let mut watch = Watch::new(progress, viewer, started, options.time_limit);
     let mut film = Film::new(camera, options);
     let mut stats = match options.method {
-        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, progress)?,
-        Method::Path => render_path(scene, &mut film, options, progress)?,
+        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
+        Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             if !mesh.serves(options) {
                 let what = "the mesh was made for another method, falloff or interpolation".into();
                 return Err(Error::InvalidOption { option: "mesh", what });
             }
-            render_waves(scene, &mut film, options, Lighting::Mesh(mesh), progress)?
+            render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
         }
     };
+    stats.spp = film.whole_passes();
+    stats.time_limit_reached = stats.spp < options.spp;
     let film_frame = film.frame();
     let (image, mut layers) = film.into_image();
     if options.aovs.contains(Aov::Points) {
@@ -61,6 +69,9 @@ pub fn render(
         stats.direct = mesh.stats();
         stats.indirect = mesh.indirect_stats();
         stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
+    }
+    if let Some(viewer) = viewer {
+        viewer.show(image.clone());
     }
     Ok(Frame { image, layers, stats })
 }

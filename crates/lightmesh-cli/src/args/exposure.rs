@@ -1,5 +1,8 @@
 //! `--exposure`.
 
+use lightmesh::Image;
+use lightmesh_io::output::auto_exposure;
+
 /// How bright a PNG shows the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Exposure {
@@ -7,6 +10,16 @@ pub(crate) enum Exposure {
     Auto,
     /// Luminance times 2 to this power.
     Ev(f32),
+}
+
+impl Exposure {
+    /// The exposure of this picture, in EV.
+    pub(crate) fn for_picture(self, picture: &Image) -> f32 {
+        match self {
+            Self::Auto => auto_exposure(&picture.pixels),
+            Self::Ev(ev) => ev,
+        }
+    }
 }
 
 /// Parses a number between −64 and 64, or `auto`.

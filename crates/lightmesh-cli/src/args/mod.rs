@@ -11,6 +11,7 @@ mod method;
 mod render;
 mod size;
 mod spacing;
+mod time_limit;
 
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! Arguments of `render`.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, time::Duration};
 
 use clap::{Args, ValueEnum, value_parser};
 use lightmesh::{Aov, Falloff, Interpolation, Method, RenderOptions, Spacing};
@@ -13,13 +13,17 @@ use super::{
     falloff, interpolation, memory,
     method::{MethodArg, PaperScaleArg},
     size::{self, Size},
-    spacing,
+    spacing, time_limit,
 };
 
 const EXAMPLES: &str = "\
 Examples:
   lightmesh render room.glb -o room.png
-  lightmesh render room.glb -o room.exr -o room.png --size 1920x1080 --spp 16 --spacing 1/80 --stats room.json";
+  lightmesh render room.glb -o room.exr -o room.png --size 1920x1080 --spp 16 --spacing 1/80 --stats room.json
+  lightmesh render room.glb -o room.png --method path --time-limit 60 --preview so-far.png";
+
+/// The most samples per pixel where time is what limits them.
+const MOST_SPP: u32 = 1 << 16;
 
 /// Everything that `render` may be told. Defaults are those of [`RenderOptions`]; a test holds them together.
 #[derive(Debug, Args)]
@@ -43,6 +47,10 @@ pub(crate) struct RenderArgs {
     /// Layers that .exr files get beside the light (docs/aov.md), separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = aov::parser(), help_heading = "Output")]
     aov: Vec<Aov>,
+    /// Write the picture so far to this .png, exposed and tone mapped, about once a second while it improves; it changes
+    /// nothing of the finished picture, which it becomes
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) preview: Option<PathBuf>,
     /// Write seconds, rays, mesh points and memory as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) stats: Option<PathBuf>,
@@ -53,9 +61,14 @@ pub(crate) struct RenderArgs {
     /// How light is computed
     #[arg(long, value_enum, default_value = "mesh", help_heading = "Light")]
     method: MethodArg,
-    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre
-    #[arg(long, value_name = "N", default_value_t = RenderOptions::default().spp, value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
-    spp: u32,
+    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre [default: 4; with --time-limit,
+    /// which makes it the most, 65536]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
+    spp: Option<u32>,
+    /// Take samples until the render, from the built scene on, has taken this long; every pixel gets one, however long that
+    /// takes. How many there are in time is never quite the same, and nor is the picture
+    #[arg(long, value_name = "SECONDS", value_parser = time_limit::parse, allow_hyphen_values = true, help_heading = "Light")]
+    pub(crate) time_limit: Option<Duration>,
     /// Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard computes none
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().bounces, value_parser = value_parser!(u32).range(..=4096), help_heading = "Light")]
     bounces: u32,
@@ -143,7 +156,8 @@ impl RenderArgs {
             method,
             width: self.size.map_or(default.width, |size| size.width),
             height: self.size.map_or(default.height, |size| size.height),
-            spp: self.spp,
+            spp: self.spp.unwrap_or(if self.time_limit.is_some() { MOST_SPP } else { default.spp }),
+            time_limit: self.time_limit,
             bounces: self.bounces,
             depth: self.depth,
             cutoff: self.cutoff,
@@ -201,10 +215,19 @@ mod tests {
         assert_eq!(args.emitters.options(), EmitterOptions::default());
     }
 
+    /// With a time limit, samples are as many as there is time for, unless a number is said.
+    #[test]
+    fn a_time_limit_makes_samples_the_most() {
+        let spp = |args: &[&str]| parse(args).unwrap().options().spp;
+        assert_eq!(spp(&["--time-limit", "2"]), 65536);
+        assert_eq!(spp(&["--time-limit", "2", "--spp", "8"]), 8);
+    }
+
     #[test]
     fn negative_values_reach_their_parsers() {
         for (flag, value) in [
             ("--spacing", "-1"),
+            ("--time-limit", "-1"),
             ("--cutoff", "-0.5"),
             ("--size", "-1x2"),
             ("--falloff", "-1+r"),

@@ -6,4 +6,7 @@ mod environment;
 #[cfg(unix)]
 mod interrupt;
 mod place;
+#[cfg(unix)]
+mod preview;
 mod render;
+mod time_limit;

@@ -1,6 +1,8 @@
 //! Unidirectional path tracing with next-event estimation over all lights and multiple importance sampling of those that have a
 //! size (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapter 9): slow, unbiased, the truth.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -8,13 +10,15 @@ use super::block::MAX_LAYERS;
 use super::direct::Scratch;
 use super::first_hits::FirstHits;
 use super::lamps::{LampSampler, power_heuristic};
+use super::passes::{SumOrder, take_samples};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use super::surface::{Surface, Vertex, evaluate};
+use super::watch::Watch;
 use crate::bvh::Hit;
 use crate::film::Film;
 use crate::geometry::Ray;
 use crate::progress::Reporter;
-use crate::{Aov, Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
+use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
 
 /// Samples per unit of parallel work, and units between two visits to the film.
 const BLOCK: u64 = 256;
@@ -28,54 +32,38 @@ const ROULETTE_AFTER: u32 = 3;
 /// error 12.2% with one path and 50.8 M bounces, 8.1% with two and 101.6 M; 10.1% with one and no roulette, 87.4 M.
 const BRANCHES: u32 = 2;
 
-/// Renders all samples of the film by path tracing.
+/// Renders the picture by path tracing.
 pub(crate) fn render_path(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    progress: &dyn Progress,
+    watch: &mut Watch<'_>,
 ) -> Result<RenderStats, Error> {
     let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
-    let total = film.sample_count();
-    let reporter = Reporter::new(progress, Stage::Render, total);
-    let mut first = 0;
-    while first < total {
-        let end = (first + BLOCK * BLOCKS).min(total);
-        let camera = &*film;
-        let blocks: Vec<PathBlock> = (0..(end - first).div_ceil(BLOCK))
-            .into_par_iter()
-            .map(|block| {
-                let mut tracer = PathTracer {
-                    scene,
-                    options,
-                    scratch: Scratch::default(),
-                    lamps: LampSampler::default(),
-                    rays: RayCounts::default(),
-                    first_hits: FirstHits::default(),
-                };
-                let begin = first + block * BLOCK;
-                let radiance = camera
-                    .samples(begin..(begin + BLOCK).min(end))
-                    .take_while(|_| !reporter.cancelled())
-                    .map(|s| {
-                        let mut sampler = Sampler::new(options.seed, s.pixel, s.index);
-                        (s.pixel, tracer.li(camera.ray(s), s.pixel, &mut sampler))
-                    })
-                    .collect();
-                reporter.add(end.min(begin + BLOCK) - begin, tracer.rays.total());
-                PathBlock { radiance, first_hits: tracer.first_hits, rays: tracer.rays }
-            })
-            .collect();
-        if reporter.cancelled() {
-            return Err(Error::Cancelled);
+    take_samples(film, options, SumOrder::Samples, watch, |film, watch, reporter| {
+        while let Some(samples) = watch.next_wave(film, BLOCK * BLOCKS) {
+            let first = film.done();
+            let end = first + samples;
+            let camera = &*film;
+            let blocks: Vec<PathBlock> = (0..samples.div_ceil(BLOCK))
+                .into_par_iter()
+                .map(|block| {
+                    let begin = first + block * BLOCK;
+                    PathBlock::trace(scene, options, camera, begin..(begin + BLOCK).min(end), reporter)
+                })
+                .collect();
+            if reporter.cancelled() {
+                return Err(Error::Cancelled);
+            }
+            for block in blocks {
+                block.add_to(film);
+                stats.rays += block.rays;
+            }
+            watch.wave_done(film, samples);
         }
-        for block in blocks {
-            block.add_to(film);
-            stats.rays += block.rays;
-        }
-        first = end;
-    }
+        Ok(())
+    })?;
     stats.seconds.shade = started.elapsed().as_secs_f64();
     Ok(stats)
 }
@@ -88,6 +76,35 @@ struct PathBlock {
 }
 
 impl PathBlock {
+    /// Follows the paths of some samples of the film, until the work is cancelled.
+    fn trace(
+        scene: &Scene,
+        options: &RenderOptions,
+        film: &Film,
+        samples: Range<u64>,
+        reporter: &Reporter<'_>,
+    ) -> Self {
+        let mut tracer = PathTracer {
+            scene,
+            options,
+            scratch: Scratch::default(),
+            lamps: LampSampler::default(),
+            rays: RayCounts::default(),
+            first_hits: FirstHits::default(),
+        };
+        let count = samples.end - samples.start;
+        let radiance = film
+            .samples(samples)
+            .take_while(|_| !reporter.cancelled())
+            .map(|s| {
+                let mut sampler = Sampler::new(options.seed, s.pixel, s.index);
+                (s.pixel, tracer.li(film.ray(s), s.pixel, &mut sampler))
+            })
+            .collect();
+        reporter.add(count, tracer.rays.total());
+        Self { radiance, first_hits: tracer.first_hits, rays: tracer.rays }
+    }
+
     fn add_to(&self, film: &mut Film) {
         for (pixel, radiance) in &self.radiance {
             film.add(*pixel, radiance.all);

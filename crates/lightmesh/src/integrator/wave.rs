@@ -6,11 +6,13 @@ use rayon::prelude::*;
 
 use super::block::{BLOCK, Block, WaveRay};
 use super::lit::{DirectLighting, LitVertices};
+use super::passes::{SumOrder, take_samples};
 use super::surface::Vertex;
+use super::watch::Watch;
 use crate::film::Film;
 use crate::light_mesh::{IndirectField, LightMarks, LightMesh, Marks, Sight};
 use crate::progress::Reporter;
-use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
+use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
 /// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
 const BLOCKS_PER_WAVE: usize = 128;
@@ -34,87 +36,106 @@ struct Frame<'a> {
     lighting: Lighting<'a>,
     marks: Option<LightMarks>,
     blocks: Vec<Block>,
-    progress: &'a dyn Progress,
 }
 
-/// Renders all samples of the film with exact or mesh light.
+/// Renders the picture with exact or mesh light.
 pub(crate) fn render_waves(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
     lighting: Lighting<'_>,
-    progress: &dyn Progress,
+    watch: &mut Watch<'_>,
 ) -> Result<RenderStats, Error> {
     let marks = match &lighting {
         Lighting::Exact => None,
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
     let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-    let mut frame = Frame { scene, options, lighting, marks, blocks, progress };
+    let mut frame = Frame { scene, options, lighting, marks, blocks };
     let mut stats = RenderStats::default();
     let lamps = scene.has_lamps();
     if lamps {
         film.watch_lamps();
     }
-    render_pass(&mut frame, film, Stage::Render, &mut stats)?;
-    if lamps && film.turn_to_outlines() {
-        render_pass(&mut frame, film, Stage::Outlines, &mut stats)?;
+    take_samples(film, options, SumOrder::Waves, watch, |film, watch, reporter| {
+        render_pass(&mut frame, film, watch, reporter, &mut stats)
+    })?;
+    if lamps && film.whole_passes() == options.spp && film.turn_to_outlines(watch.samples_left()) {
+        let reporter = Reporter::new(watch.progress, Stage::Outlines, film.sample_count());
+        render_pass(&mut frame, film, watch, &reporter, &mut stats)?;
     }
     Ok(stats)
 }
 
-/// Renders what samples the film has now.
-fn render_pass(frame: &mut Frame<'_>, film: &mut Film, stage: Stage, stats: &mut RenderStats) -> Result<(), Error> {
-    let Frame { scene, options, lighting, marks, blocks, progress } = frame;
-    let total = film.sample_count();
-    let reporter = Reporter::new(*progress, stage, total);
-    let mut first = 0;
+/// Takes the samples of the film's pass.
+fn render_pass(
+    frame: &mut Frame<'_>,
+    film: &mut Film,
+    watch: &mut Watch<'_>,
+    reporter: &Reporter<'_>,
+    stats: &mut RenderStats,
+) -> Result<(), Error> {
     // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
     // them for each mirror and refraction event.
     let mut queue: Vec<WaveRay> = Vec::new();
-    while first < total || !queue.is_empty() {
-        // Camera rays, or the next of those that go on.
+    while let Some(count) = watch.next_wave(film, WAVE as u64) {
+        // Camera rays.
         let started = Instant::now();
-        let used;
-        if queue.is_empty() {
-            let count = (total - first).min(WAVE as u64);
-            used = count.div_ceil(BLOCK as u64) as usize;
-            let camera = &*film;
-            blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
-                let begin = first + (i * BLOCK) as u64;
-                block.take_camera_rays(camera, begin..(begin + BLOCK as u64).min(first + count));
-                block.trace(scene, options);
-            });
-            first += count;
-            stats.rays.primary += count;
-            stats.seconds.primary += started.elapsed().as_secs_f64();
-        } else {
+        let (scene, options) = (frame.scene, frame.options);
+        let used = count.div_ceil(BLOCK as u64) as usize;
+        let (camera, first) = (&*film, film.done());
+        frame.blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
+            let begin = first + (i * BLOCK) as u64;
+            block.take_camera_rays(camera, begin..(begin + BLOCK as u64).min(first + count));
+            block.trace(scene, options);
+        });
+        stats.rays.primary += count;
+        stats.seconds.primary += started.elapsed().as_secs_f64();
+        frame.finish_wave(used, film, &mut queue, reporter, stats)?;
+
+        // Those that go on.
+        while !queue.is_empty() {
+            let started = Instant::now();
             let rest = queue.len().saturating_sub(WAVE);
             let wave = &queue[rest..];
-            used = wave.len().div_ceil(BLOCK);
+            let used = wave.len().div_ceil(BLOCK);
             stats.rays.secondary += wave.len() as u64;
-            blocks[..used].par_iter_mut().zip(wave.par_chunks(BLOCK)).for_each(|(block, rays)| {
+            frame.blocks[..used].par_iter_mut().zip(wave.par_chunks(BLOCK)).for_each(|(block, rays)| {
                 block.input.clear();
                 block.input.extend_from_slice(rays);
                 block.trace(scene, options);
             });
             queue.truncate(rest);
             stats.seconds.shade += started.elapsed().as_secs_f64();
+            frame.finish_wave(used, film, &mut queue, reporter, stats)?;
         }
+        watch.wave_done(film, count);
+    }
+    Ok(())
+}
 
-        light(scene, &mut blocks[..used], options, lighting, marks.as_mut(), &reporter, stats)?;
-
-        // To the film and the queue, in order.
+impl Frame<'_> {
+    /// Lights what the first `used` blocks have hit; light goes to the film and rays that go on to the queue, in order.
+    fn finish_wave(
+        &mut self,
+        used: usize,
+        film: &mut Film,
+        queue: &mut Vec<WaveRay>,
+        reporter: &Reporter<'_>,
+        stats: &mut RenderStats,
+    ) -> Result<(), Error> {
+        let blocks = &mut self.blocks[..used];
+        light(self.scene, blocks, self.options, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
         let started = Instant::now();
-        for block in &mut blocks[..used] {
+        for block in blocks {
             block.add_to(film);
             queue.append(&mut block.next);
             block.lit.take_counts(stats);
             stats.rays.secondary += std::mem::take(&mut block.sight_rays);
         }
         stats.seconds.shade += started.elapsed().as_secs_f64();
+        Ok(())
     }
-    Ok(())
 }
 
 /// Computes the irradiance at every vertex of the blocks.

@@ -1,0 +1,118 @@
+//! `--preview`: the picture so far, in a file that is rewritten while the render improves.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Mutex, PoisonError,
+        mpsc::{self, SyncSender},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use lightmesh::{Image, Progress, Stage, Viewer};
+use lightmesh_io::output::{Metadata, StagedFile, write_png};
+
+use crate::{args::Exposure, exit::Failure, interrupt, outputs, progress::Bar};
+
+/// From the end of one writing to the next picture, at least.
+const PERIOD: Duration = Duration::from_secs(1);
+
+/// The same in times what the writing took, which is some 0.1 s of one core per million pixels: a tenth of its time at most.
+const PAUSE: u32 = 9;
+
+/// The file, and how pictures are shown in it: as in any PNG that `render` writes.
+#[derive(Debug)]
+pub(crate) struct Preview<'a> {
+    pub(crate) path: PathBuf,
+    pub(crate) exposure: Exposure,
+    pub(crate) metadata: &'a Metadata,
+}
+
+impl Preview<'_> {
+    /// Does `work` with a progress that shows on `bar` and lets its pictures be written, by a thread of their own; they are
+    /// when this returns. Of failures to write them the first is handed to `warn`.
+    pub(crate) fn follow<T>(&self, bar: &Bar, warn: impl Fn(&str) + Send, work: impl FnOnce(&dyn Progress) -> T) -> T {
+        let due = Mutex::new(Due::Now);
+        let (pictures, received) = mpsc::sync_channel(1);
+        thread::scope(|scope| {
+            let due = &due;
+            scope.spawn(move || {
+                // A pool of its own: that of the render is busy.
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                let write = |picture: &Image| match &pool {
+                    Ok(pool) => pool.install(|| self.write(picture)),
+                    Err(_) => self.write(picture),
+                };
+                let mut failed = false;
+                for picture in received {
+                    let started = Instant::now();
+                    // What is interrupted ends: the file stays as it is.
+                    if !interrupt::pressed()
+                        && let Err(failure) = write(&picture)
+                        && !std::mem::replace(&mut failed, true)
+                    {
+                        bar.set_aside(|| warn(&format!("the preview is not up to date: {}", failure.message())));
+                    }
+                    let pause = PERIOD.max(started.elapsed() * PAUSE);
+                    *due.lock().unwrap_or_else(PoisonError::into_inner) = Due::At(Instant::now() + pause);
+                }
+            });
+            work(&Writer { bar, due, pictures })
+        })
+    }
+
+    /// Writes the file: whole, or it stays as it was.
+    fn write(&self, picture: &Image) -> Result<(), Failure> {
+        let ev = self.exposure.for_picture(picture);
+        let file = outputs::stage(&self.path, |file: &mut StagedFile| write_png(file, picture, ev, self.metadata))?;
+        outputs::commit([file])
+    }
+}
+
+/// When the next picture is wanted.
+#[derive(Debug)]
+enum Due {
+    Now,
+    /// Not before this.
+    At(Instant),
+    /// Not while this one is written.
+    WhenWritten,
+}
+
+/// Hands pictures to the thread that writes them, and everything else to the bar.
+struct Writer<'a> {
+    bar: &'a Bar,
+    due: &'a Mutex<Due>,
+    pictures: SyncSender<Image>,
+}
+
+impl Progress for Writer<'_> {
+    fn report(&self, stage: Stage, done: u64, total: u64, rays: u64) {
+        self.bar.report(stage, done, total, rays);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.bar.cancelled()
+    }
+
+    fn viewer(&self) -> Option<&dyn Viewer> {
+        Some(self)
+    }
+}
+
+impl Viewer for Writer<'_> {
+    fn wants_picture(&self) -> bool {
+        match *self.due.lock().unwrap_or_else(PoisonError::into_inner) {
+            Due::Now => true,
+            Due::At(time) => Instant::now() >= time,
+            Due::WhenWritten => false,
+        }
+    }
+
+    fn show(&self, picture: Image) {
+        *self.due.lock().unwrap_or_else(PoisonError::into_inner) = Due::WhenWritten;
+        // The thread is there as long as this is.
+        let _ = self.pictures.send(picture);
+    }
+}

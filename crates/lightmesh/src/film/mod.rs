@@ -1,0 +1,249 @@
+//! The film: which samples belong to which pixel, and their sum.
+
+mod order;
+mod outlines;
+mod pass;
+mod picture;
+mod sketch;
+
+use std::ops::Range;
+
+use glam::{Vec2, Vec3};
+
+use self::{order::TileOrder, outlines::Outlines, pass::Pass, sketch::Sketch};
+use crate::aov::Layers;
+use crate::geometry::Ray;
+use crate::integrator::{film_samples, hash};
+use crate::scene::FilmRays;
+use crate::{Aovs, Camera, RenderOptions};
+
+/// Accumulates radiance with a box filter of one pixel.
+#[derive(Debug)]
+pub(crate) struct Film {
+    rays: FilmRays,
+    order: TileOrder,
+    seed: u64,
+    /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
+    offsets: Vec<[u32; 2]>,
+    /// What is being sampled.
+    pass: Pass,
+    sums: Vec<Vec3>,
+    aovs: Aovs,
+    layers: Layers,
+    /// What samples saw of each pixel; empty where nobody asks.
+    seen: Vec<u8>,
+    /// What there is to see of pixels without samples.
+    sketch: Option<Sketch>,
+    /// The pixels of the pass, where they are sampled anew.
+    outlines: Option<Outlines>,
+}
+
+/// One sample of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sample {
+    /// Index of the pixel, row by row.
+    pub pixel: u32,
+    /// Which of its samples.
+    pub index: u32,
+    x: u32,
+    y: u32,
+}
+
+impl Film {
+    /// An empty film on which all samples of all pixels are one pass.
+    pub(crate) fn new(camera: &Camera, options: &RenderOptions) -> Self {
+        let order = TileOrder { width: options.width, height: options.height };
+        Self {
+            rays: camera.film(options.width, options.height),
+            order,
+            seed: options.seed,
+            offsets: film_samples(options.spp),
+            pass: Pass { pixels: None, indices: 0..options.spp, done: 0 },
+            sums: vec![Vec3::ZERO; order.len()],
+            aovs: options.aovs,
+            layers: Layers::new(options.aovs, order.len()),
+            seen: Vec::new(),
+            sketch: None,
+            outlines: None,
+        }
+    }
+
+    /// Turns to some of the samples of every pixel; they follow those that it has.
+    pub(crate) fn begin_pass(&mut self, indices: Range<u32>) {
+        self.pass = Pass { pixels: None, indices, done: 0 };
+    }
+
+    /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
+    /// pass. Layers are not collected.
+    pub(crate) fn begin_sketch(&mut self, stride: u32) {
+        let pixels = Sketch::pixels(self.order, stride, self.sketch.as_ref());
+        self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0 };
+        self.layers = Layers::default();
+    }
+
+    /// Keeps what the sketch has become, to be seen where nothing better is, and leaves the film empty.
+    pub(crate) fn finish_sketch(&mut self, stride: u32) {
+        self.sketch = Some(Sketch::take(self.order, stride, self.sketch.as_ref(), &mut self.sums));
+        self.layers = Layers::new(self.aovs, self.order.len());
+        self.begin_pass(0..self.offsets.len() as u32);
+    }
+
+    /// Samples of the pass.
+    pub(crate) fn sample_count(&self) -> u64 {
+        self.pass_pixels() * self.pass.samples_per_pixel()
+    }
+
+    /// Pixels of the picture.
+    pub(crate) fn pixel_count(&self) -> u64 {
+        self.sums.len() as u64
+    }
+
+    /// How many samples of the pass have all their light.
+    pub(crate) fn done(&self) -> u64 {
+        self.pass.done
+    }
+
+    /// Counts samples as done, in order.
+    pub(crate) fn add_done(&mut self, samples: u64) {
+        self.pass.done += samples;
+    }
+
+    /// How many samples every pixel has, those on outlines before they were sampled anew.
+    pub(crate) fn whole_passes(&self) -> u32 {
+        match &self.outlines {
+            Some(outlines) => outlines.spp,
+            None if self.pass.left(self.pass_pixels()) == 0 => self.pass.indices.end,
+            None => self.pass.indices.start,
+        }
+    }
+
+    /// Whether the picture could end here: every pixel has a sample, and none waits to be sampled anew.
+    pub(crate) fn may_end(&self) -> bool {
+        self.pass.pixels.is_none() && self.pass.indices.start > 0
+    }
+
+    fn pass_pixels(&self) -> u64 {
+        self.pass.pixels.as_ref().map_or(self.sums.len(), Vec::len) as u64
+    }
+
+    /// The samples of a range of numbers below [`Film::sample_count`]: pixel by pixel within a tile, tile by tile, or along the
+    /// pass's list.
+    pub(crate) fn samples(&self, range: Range<u64>) -> impl Iterator<Item = Sample> {
+        let spp = self.pass.samples_per_pixel();
+        let first = self.pass.indices.start;
+        let list = self.pass.pixels.as_deref();
+        let (mut x, mut y) = if list.is_some() { (0, 0) } else { self.order.place(range.start / spp) };
+        let mut index = (range.start % spp) as u32;
+        range.map(move |n| {
+            if let Some(pixels) = list {
+                let (pixel, width) = (pixels[(n / spp) as usize], self.order.width);
+                return Sample { pixel, index: first + (n % spp) as u32, x: pixel % width, y: pixel / width };
+            }
+            let sample = Sample { pixel: y * self.order.width + x, index: first + index, x, y };
+            index += 1;
+            if u64::from(index) == spp {
+                index = 0;
+                (x, y) = self.order.next(x, y);
+            }
+            sample
+        })
+    }
+
+    /// The camera ray of a sample. A single sample goes through the pixel's centre; more are the points of one Sobol set,
+    /// whose digits are scrambled by the pixel's own bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002):
+    /// strata stay strata.
+    pub(crate) fn ray(&self, sample: Sample) -> Ray {
+        let mut offset = Vec2::splat(0.5);
+        if self.offsets.len() > 1 {
+            let bits = hash(hash(self.seed as u32 ^ hash((self.seed >> 32) as u32)) ^ sample.pixel);
+            let [x, y] = self.offsets[sample.index as usize];
+            // 24 bits: what f32 holds below 1.
+            let unit = |digits: u32| (digits >> 8) as f32 * (1.0 / (1 << 24) as f32);
+            offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
+        }
+        self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y)
+    }
+
+    /// Adds one sample's radiance, or a part of it.
+    pub(crate) fn add(&mut self, pixel: u32, radiance: Vec3) {
+        self.sums[pixel as usize] += radiance;
+    }
+
+    /// Adds a surface that a sample met first and that covers the part `weight` of it.
+    pub(crate) fn add_surface(&mut self, pixel: u32, weight: f32, albedo: Vec3, normal: Vec3, position: Vec3) {
+        self.layers.add_surface(pixel, weight, albedo, normal, self.rays.depth(position));
+    }
+
+    /// The layers beside the light.
+    pub(crate) fn layers(&mut self) -> &mut Layers {
+        &mut self.layers
+    }
+
+    /// Whether any of them is collected.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers.any()
+    }
+
+    /// The camera's rays and the picture's width and height.
+    pub(crate) fn frame(&self) -> (FilmRays, u32, u32) {
+        (self.rays, self.order.width, self.order.height)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(width: u32, height: u32, spp: u32) -> Film {
+        let options = RenderOptions { width, height, spp, ..RenderOptions::default() };
+        Film::new(&Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0), &options)
+    }
+
+    /// Every sample of every pixel once, and a range that starts anywhere goes on as the whole one does.
+    #[test]
+    fn tiles_cover_the_film_once() {
+        for (width, height, spp) in [(70, 45, 3), (32, 64, 1), (5, 3, 2), (33, 1, 1)] {
+            let film = film(width, height, spp);
+            let n = film.sample_count();
+            let all: Vec<Sample> = film.samples(0..n).collect();
+            let mut sorted: Vec<(u32, u32)> = all.iter().map(|s| (s.pixel, s.index)).collect();
+            sorted.sort_unstable();
+            sorted.dedup();
+            assert_eq!(sorted.len() as u64, n);
+            for start in [1, n / 3, n / 2, n - 1] {
+                assert!(
+                    film.samples(start..n).eq(all[start as usize..].iter().copied()),
+                    "{width}x{height} from {start}"
+                );
+            }
+        }
+    }
+
+    /// Sixteen samples fill the 4 × 4 strata of their pixel, one each.
+    #[test]
+    fn samples_are_stratified() {
+        let film = film(40, 40, 16);
+        for pixel in [0, 777] {
+            let mut strata: Vec<(u32, u32)> = film
+                .samples(pixel * 16..pixel * 16 + 16)
+                .map(|s| {
+                    let p = film.rays.position(&film.ray(s)) - Vec2::new(s.x as f32, s.y as f32);
+                    ((p.x * 4.0) as u32, (p.y * 4.0) as u32)
+                })
+                .collect();
+            strata.sort_unstable();
+            strata.dedup();
+            assert_eq!(strata.len(), 16);
+        }
+    }
+
+    #[test]
+    fn one_sample_is_the_centre_and_more_stay_in_their_pixel() {
+        let centre = film(9, 7, 1);
+        let sample = centre.samples(0..1).next().expect("a sample");
+        assert_eq!(centre.ray(sample), centre.rays.ray(0.5, 0.5));
+        let film = film(1, 1, 64);
+        let mean: Vec3 = film.samples(0..64).map(|s| film.ray(s).direction).sum::<Vec3>() / 64.0;
+        assert!((mean.x.abs() < 0.01) && (mean.y.abs() < 0.01), "{mean}");
+    }
+}
