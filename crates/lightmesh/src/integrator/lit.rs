@@ -28,6 +28,7 @@ pub(crate) struct LitVertices {
     fallbacks: u64,
 }
 
+fn care() -> Care { static O: std::sync::OnceLock<Care> = std::sync::OnceLock::new(); *O.get_or_init(|| { let g = |k: &str, d: f32| std::env::var(k).map_or(d, |s| s.parse().unwrap()); Care { quantum: g("Q", 0.003), much: g("M", 0.18), trust: if g("T", 0.0) > 0.0 { super::by_light::Trust::Nobody } else { super::by_light::Trust::Agreed } } }) }
 /// How vertices take their direct light from the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shading {
@@ -40,14 +41,13 @@ enum Shading {
 }
 
 impl Shading {
-    /// Of gather hits only the sum counts, and the mean visibility is as good as any.
+    /// Of gather hits only the sum counts: a single ray each makes it unbiased.
     fn new(options: &RenderOptions, sight: Sight) -> Self {
+        let rays = if sight == Sight::Every { options.rays } else { 1 };
+        let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
         match options.method {
             Method::Hybrid if sight == Sight::Every => Self::Hybrid,
-            Method::Unbiased if sight == Sight::Every => {
-                let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
-                Self::Unbiased { rays: options.rays, seed }
-            }
+            Method::Hybrid | Method::Unbiased => Self::Unbiased { rays, seed },
             _ => Self::MeanVisibility,
         }
     }
@@ -110,9 +110,9 @@ impl LitVertices {
         falloff: Falloff,
         field: &DirectField,
         marks: &Marks,
-        shading: Shading,
+        (shading, sight): (Shading, Sight),
     ) {
-        let mut reader = field.reader(scene, Sight::Every);
+        let mut reader = field.reader(scene, sight);
         let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let vertex = &vertices[i as usize];
@@ -120,7 +120,7 @@ impl LitVertices {
                 (LightsReading::Empty, _) => return true,
                 (LightsReading::Agreement(agreement), Shading::Hybrid) => {
                     let seed = seed_of_place(vertex.position);
-                    by_light.hybrid(scene, falloff, vertex, agreement, (Care::HYBRID, seed))
+                    by_light.hybrid(scene, falloff, vertex, agreement, (care(), seed))
                 }
                 // More rays than lights: each gets its own.
                 (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
@@ -187,7 +187,7 @@ impl DirectLighting<'_, '_> {
             let (field, marks) = (&*self.field, &*self.marks);
             lists.par_iter_mut().for_each(|list| match shading {
                 Shading::MeanVisibility => list.shade_by_mesh(scene, falloff, field, marks, sight),
-                _ => list.shade_by_light(scene, falloff, field, marks, shading),
+                _ => list.shade_by_light(scene, falloff, field, marks, (shading, sight)),
             });
             let waiting = lists.iter().any(|list| !list.waiting.is_empty());
             let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
