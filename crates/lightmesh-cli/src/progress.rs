@@ -63,6 +63,7 @@ impl Bar {
                 self.bar.set_prefix(match stage {
                     Stage::Sketch => "sketching",
                     Stage::Render => "rendering",
+                    Stage::Check => "comparing with exact light",
                     Stage::Outlines => "outlines of lamps",
                     _ => "working",
                 });

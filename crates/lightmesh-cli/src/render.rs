@@ -122,7 +122,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         mesh: (&frame.stats).into(),
         fallbacks: (&frame.stats).into(),
         energy_left_out: frame.stats.left_out,
-        estimated_error: None,
+        estimated_error: frame.stats.estimated_error,
         peak_memory_bytes: stats::peak_memory_bytes(),
     };
     let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;

@@ -20,6 +20,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         spacing,
         indirect_spacing,
         gather_rays,
+        error,
         rays,
         interpolation,
         field_falloff,
@@ -41,6 +42,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "spacing": spell_spacing(*spacing),
         "indirect-spacing": spell_spacing(*indirect_spacing),
         "gather-rays": gather_rays,
+        "error": error.map(|error| error.to_string()),
         "rays": rays,
         "interpolation": match interpolation {
             Interpolation::Auto => "auto".to_owned(),

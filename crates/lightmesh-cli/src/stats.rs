@@ -22,7 +22,7 @@ pub(crate) struct Stats {
     pub(crate) fallbacks: FallbackStats,
     /// What more bounces would add, as a part of all light; `null` where nothing is known of it.
     pub(crate) energy_left_out: Option<f64>,
-    /// Of the methods so far none estimates its error.
+    /// Where `--error` asked for one; 0: the light is exact.
     pub(crate) estimated_error: Option<f64>,
     pub(crate) peak_memory_bytes: u64,
 }

@@ -94,6 +94,10 @@ pub struct RenderStats {
     pub exact_fallbacks: u64,
     /// Surface points at which no point of the indirect mesh was usable: gather rays were shot.
     pub gather_fallbacks: u64,
+    /// Shadow rays of mesh points, of all shadow rays.
+    pub fill_shadow_rays: u64,
+    /// The error that the picture is estimated to have, RMS relative to its mean, where one was asked for; 0: its light is exact.
+    pub estimated_error: Option<f64>,
     /// What bounces after the last one would add, estimated, as a part of all light; `None` where nothing is known of it.
     pub left_out: Option<f64>,
 }

@@ -32,10 +32,6 @@ impl Method {
         }
     }
 
-    /// Whether mesh points keep what they know of each light.
-    pub(crate) fn knows_lights(self) -> bool {
-        matches!(self, Self::Hybrid | Self::Unbiased)
-    }
 }
 
 /// Distance between neighbouring mesh points.
@@ -132,6 +128,10 @@ pub struct RenderOptions {
     pub indirect_spacing: Spacing,
     /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
     pub gather_rays: u32,
+    /// The error that the picture's light may have, root mean square relative to the picture's mean, against the same samples lit
+    /// exactly; above 0. Of [`Method::Mesh`] alone: it then reads the mesh light by light, with as many shadow rays as it takes.
+    /// `None`: whatever the mesh gives.
+    pub error: Option<f32>,
     /// Shadow rays at each hit with [`Method::Unbiased`]; 1 to 65536.
     pub rays: u32,
     /// How mesh points are combined.
@@ -164,6 +164,7 @@ impl Default for RenderOptions {
             spacing: Spacing::default(),
             indirect_spacing: Spacing::default(),
             gather_rays: 256,
+            error: None,
             rays: 4,
             interpolation: Interpolation::default(),
             field_falloff: Falloff::default(),
@@ -177,6 +178,11 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// Whether mesh points keep what they know of each light.
+    pub(crate) fn knows_lights(&self) -> bool {
+        matches!(self.method, Method::Hybrid | Method::Unbiased) || self.error.is_some()
+    }
+
     /// Refuses a picture that `max_memory` does not hold: 28 bytes a pixel for the film, the finished picture and its
     /// 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and
     /// the scene are checked where they grow.
@@ -244,6 +250,14 @@ impl RenderOptions {
                 return bad(option, format!("must be between 1 and 65536, not {rays}"));
             }
         }
+        if let Some(error) = self.error {
+            if !(error > 0.0 && error.is_finite()) {
+                return bad("error", format!("must be above 0, not {error}"));
+            }
+            if self.method != Method::Mesh {
+                return bad("error", "is kept to by the method mesh alone".into());
+            }
+        }
         if self.bounces > 4096 {
             return bad("bounces", format!("must be at most 4096, not {}", self.bounces));
         }
@@ -255,8 +269,8 @@ impl RenderOptions {
                 format!("the sphere's radius must be above 0 and at most 16 spacings, not {radius}"),
             );
         }
-        if self.method.knows_lights() && matches!(self.interpolation, Interpolation::Sphere { .. }) {
-            return bad("interpolation", "the methods hybrid and unbiased read trilinear or nearest".into());
+        if self.knows_lights() && matches!(self.interpolation, Interpolation::Sphere { .. }) {
+            return bad("interpolation", "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear or nearest".into());
         }
         for (option, falloff) in [("falloff", self.falloff), ("field-falloff", self.field_falloff)] {
             if let Falloff::ConstantPlusDistance { constant } = falloff

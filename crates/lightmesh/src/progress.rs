@@ -11,6 +11,8 @@ use crate::Viewer;
 pub enum Stage {
     /// Making a first sketch for a [`Viewer`]; counts samples.
     Sketch,
+    /// Comparing pixels with their exact light, to keep to [`RenderOptions::error`](crate::RenderOptions::error); counts samples.
+    Check,
     /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.

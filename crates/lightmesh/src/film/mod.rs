@@ -88,6 +88,37 @@ impl Film {
         self.begin_pass(0..self.offsets.len() as u32);
     }
 
+    /// An empty film on which all samples of some pixels are one pass; without layers.
+    pub(crate) fn of_pixels(&self, pixels: Vec<u32>) -> Self {
+        Self {
+            rays: self.rays,
+            order: self.order,
+            seed: self.seed,
+            offsets: self.offsets.clone(),
+            pass: Pass { pixels: Some(pixels), indices: 0..self.offsets.len() as u32, done: 0 },
+            sums: vec![Vec3::ZERO; self.sums.len()],
+            aovs: Aovs::default(),
+            layers: Layers::default(),
+            seen: Vec::new(),
+            sketch: None,
+            outlines: None,
+        }
+    }
+
+    /// The sums of some pixels.
+    pub(crate) fn sums_of(&self, pixels: &[u32]) -> Vec<Vec3> {
+        pixels.iter().map(|&pixel| self.sums[pixel as usize]).collect()
+    }
+
+    /// The pixels with these numbers, ascending, in the order in which they are sampled.
+    pub(crate) fn pixels_in_order(&self, numbers: impl Iterator<Item = u64>) -> Vec<u32> {
+        let pixel = |n| {
+            let (x, y) = self.order.place(n);
+            y * self.order.width + x
+        };
+        numbers.map(pixel).collect()
+    }
+
     /// Samples of the pass.
     pub(crate) fn sample_count(&self) -> u64 {
         self.pass_pixels() * self.pass.samples_per_pixel()

@@ -157,6 +157,11 @@ impl Block {
         self.waiting.extend(0..self.lit.vertices.len() as u32);
     }
 
+    /// Lets every vertex gather its indirect light itself.
+    pub(super) fn disown_all(&mut self) {
+        std::mem::swap(&mut self.orphans, &mut self.waiting);
+    }
+
     /// Reads the mesh for the vertices that wait; those whose points are empty mark them and go on waiting.
     pub(super) fn read_indirect(&mut self, scene: &Scene, field: &IndirectField, bounces: u32, marks: &Marks) {
         let mut reader = field.reader(scene, bounces, Sight::Every);

@@ -25,7 +25,7 @@ use super::visibility::{VisibilityScratch, visibility};
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::light_mesh::Agreement;
-use crate::scene::{LANES, Receiver, Scene, Term};
+use crate::scene::{BlockSum, LANES, Receiver, Scene, Term};
 
 /// The doubt that is left where all points agree, in units of the standard deviation of a visibility.
 const DOUBT: f32 = 0.08;
@@ -65,6 +65,7 @@ pub(super) struct ByLight {
     terms: Vec<Term>,
     /// What is chosen among, and how likely: first the terms, then the blocks of lights that are agreed about.
     masses: Vec<f32>,
+    sums: Vec<BlockSum>,
     estimates: Vec<f32>,
     /// What each ray's visibility is multiplied with, and the visibility that is expected of it.
     weights: Vec<Vec3>,
@@ -76,7 +77,7 @@ pub(super) struct ByLight {
 
 impl ByLight {
     /// Direct irradiance, lux per channel, with rays to the lights that are disputed or give much; and how many rays these were.
-    pub(super) fn hybrid(
+    pub(super) fn with_care(
         &mut self,
         scene: &Scene,
         falloff: Falloff,
@@ -86,11 +87,11 @@ impl ByLight {
     ) -> (Vec3, u64) {
         let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
         let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let (terms, masses) = (&mut self.terms, &mut self.masses);
-        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, masses);
+        let (terms, sums) = (&mut self.terms, &mut self.sums);
+        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
         self.clear_rays();
         let mass = |term: &Term| lights.intensity(term.lane as usize).element_sum() / 3.0 * term.factor;
-        let total = self.masses.iter().sum::<f32>() + self.terms.iter().map(mass).sum::<f32>();
+        let total = self.sums.iter().map(|block| block.mass).sum::<f32>() + self.terms.iter().map(mass).sum::<f32>();
 
         // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
         let quantum = care.quantum * total;
@@ -120,8 +121,8 @@ impl ByLight {
         // part of the light.
         let much = care.much * total;
         let mut next = if care.trust == Trust::Agreed { f32::INFINITY } else { much * random(seed, 1) };
-        for block in 0..self.masses.len() {
-            let mass = self.masses[block];
+        for block in 0..self.sums.len() {
+            let BlockSum { mass, terms } = self.sums[block];
             if mass < much && mass <= next {
                 next -= mass;
                 continue;
@@ -131,7 +132,7 @@ impl ByLight {
                 let lane = block * LANES + i;
                 let c = lights.intensity(lane) * factor;
                 let mass = c.element_sum() / 3.0;
-                if !(mass > 0.0) || self.terms.iter().any(|term| term.lane as usize == lane) {
+                if !(mass > 0.0) || terms >> i & 1 != 0 {
                     continue;
                 }
                 let weight = if mass >= much {
@@ -166,10 +167,11 @@ impl ByLight {
         (count, seed): (u32, u32),
     ) -> (Vec3, u64) {
         let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
-        let Self { terms, masses, estimates, .. } = self;
+        let Self { terms, masses, sums, estimates, .. } = self;
         let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, masses);
-        masses.iter_mut().for_each(|mass| *mass *= DOUBT);
+        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
+        masses.clear();
+        masses.extend(sums.iter().map(|block| block.mass * DOUBT));
 
         // Disputed lights: their mean, and how much there is to gain from a ray.
         estimates.clear();
@@ -203,7 +205,7 @@ impl ByLight {
             let p = mass / total;
             let (lane, direction, weight, expected) = if entry < blocks {
                 let Some((lane, direction, factor, share)) =
-                    self.choose_in_block(scene, &receiver, agreement, entry, v)
+                    self.choose_in_block(scene, &receiver, entry, v)
                 else {
                     continue;
                 };
@@ -230,7 +232,6 @@ impl ByLight {
         &self,
         scene: &Scene,
         receiver: &Receiver,
-        agreement: &Agreement,
         block: usize,
         u: f32,
     ) -> Option<(usize, Vec3, f32, f32)> {
@@ -238,8 +239,7 @@ impl ByLight {
         let terms = lights.block_terms(scene.level(), receiver, block);
         let mass = |i: usize| {
             let lane = block * LANES + i;
-            let asked = agreement.disputed.binary_search(&(lane as u32)).is_ok();
-            if asked { 0.0 } else { lights.intensity(lane).element_sum() / 3.0 * terms[i].1 }
+            if self.sums[block].terms >> i & 1 != 0 { 0.0 } else { lights.intensity(lane).element_sum() / 3.0 * terms[i].1 }
         };
         let masses: [f32; LANES] = std::array::from_fn(mass);
         let total: f32 = masses.iter().sum();

@@ -6,12 +6,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Vertex;
-use super::by_light::{ByLight, Care};
+use super::by_light::ByLight;
 use super::direct::Scratch;
-use super::sampling::{hash, seed_of_place};
+use super::plan::{Plan, Shading};
+use super::sampling::seed_of_place;
 use crate::light_mesh::{DirectField, LightsReading, Marks, Reading, Sight};
 use crate::progress::Reporter;
-use crate::{Error, Falloff, Method, RenderOptions, RenderStats, Scene};
+use crate::scene::LightSamples;
+use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
 /// A list of vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
@@ -28,40 +30,16 @@ pub(crate) struct LitVertices {
     fallbacks: u64,
 }
 
-fn care() -> Care { static O: std::sync::OnceLock<Care> = std::sync::OnceLock::new(); *O.get_or_init(|| { let g = |k: &str, d: f32| std::env::var(k).map_or(d, |s| s.parse().unwrap()); Care { quantum: g("Q", 0.003), much: g("M", 0.18), trust: if g("T", 0.0) > 0.0 { super::by_light::Trust::Nobody } else { super::by_light::Trust::Agreed } } }) }
-/// How vertices take their direct light from the mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shading {
-    /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
-    MeanVisibility,
-    /// [`ByLight::hybrid`].
-    Hybrid,
-    /// [`ByLight::unbiased`] with so many rays.
-    Unbiased { rays: u32, seed: u32 },
-}
-
-impl Shading {
-    /// Of gather hits only the sum counts: a single ray each makes it unbiased.
-    fn new(options: &RenderOptions, sight: Sight) -> Self {
-        let rays = if sight == Sight::Every { options.rays } else { 1 };
-        let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
-        match options.method {
-            Method::Hybrid if sight == Sight::Every => Self::Hybrid,
-            Method::Hybrid | Method::Unbiased => Self::Unbiased { rays, seed },
-            _ => Self::MeanVisibility,
-        }
-    }
-}
-
 impl LitVertices {
-    /// A shadow ray to every light sample from every vertex.
-    pub(super) fn shade_exactly(&mut self, scene: &Scene, falloff: Falloff) {
+    /// A shadow ray to each of the light samples from every vertex.
+    pub(super) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
         self.direct.clear();
         for vertex in &self.vertices {
-            let (irradiance, rays) = self.scratch.irradiance(scene, scene.emitters().all(), falloff, vertex);
+            let (irradiance, rays) = self.scratch.irradiance(scene, lights, falloff, vertex);
             self.direct.push(irradiance);
             self.shadow_rays += rays;
         }
+        self.waiting.clear();
     }
 
     /// Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
@@ -118,9 +96,9 @@ impl LitVertices {
             let vertex = &vertices[i as usize];
             let (irradiance, rays) = match (reader.read_lights(vertex, marks), shading) {
                 (LightsReading::Empty, _) => return true,
-                (LightsReading::Agreement(agreement), Shading::Hybrid) => {
+                (LightsReading::Agreement(agreement), Shading::ByLight(care)) => {
                     let seed = seed_of_place(vertex.position);
-                    by_light.hybrid(scene, falloff, vertex, agreement, (care(), seed))
+                    by_light.with_care(scene, falloff, vertex, agreement, (care, seed))
                 }
                 // More rays than lights: each gets its own.
                 (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
@@ -159,6 +137,7 @@ impl LitVertices {
 pub(crate) struct DirectLighting<'a, 'b> {
     pub scene: &'a Scene,
     pub options: &'a RenderOptions,
+    pub plan: Plan,
     pub field: &'a mut DirectField,
     pub marks: &'a mut Marks,
     pub reporter: &'a Reporter<'b>,
@@ -173,12 +152,13 @@ impl DirectLighting<'_, '_> {
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
         let (scene, falloff) = (self.scene, self.options.falloff);
-        let shading = Shading::new(self.options, sight);
+        let shading = self.plan.shading(sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();
         lists.par_iter_mut().for_each(|list| match shading {
+            Shading::Exact => list.shade_exactly(scene, scene.lights(), falloff),
             Shading::MeanVisibility => list.sum_unshadowed(scene, falloff),
-            _ => list.await_all(),
+            Shading::ByLight(_) | Shading::Unbiased { .. } => list.await_all(),
         });
         seconds.shade += started.elapsed().as_secs_f64();
         // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
@@ -186,6 +166,7 @@ impl DirectLighting<'_, '_> {
             let started = Instant::now();
             let (field, marks) = (&*self.field, &*self.marks);
             lists.par_iter_mut().for_each(|list| match shading {
+                Shading::Exact => {}
                 Shading::MeanVisibility => list.shade_by_mesh(scene, falloff, field, marks, sight),
                 _ => list.shade_by_light(scene, falloff, field, marks, (shading, sight)),
             });
@@ -198,6 +179,7 @@ impl DirectLighting<'_, '_> {
             let started = Instant::now();
             let rays = self.field.fill(scene, self.marks)?;
             self.stats.rays += rays;
+            self.stats.fill_shadow_rays += rays.shadow;
             self.reporter.add(0, rays.total());
             seconds.fill += started.elapsed().as_secs_f64();
             if self.reporter.cancelled() {

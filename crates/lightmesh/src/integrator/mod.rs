@@ -2,6 +2,7 @@
 //!
 //! The reflection model is documented at [`Material`](crate::Material).
 
+mod accuracy;
 mod block;
 mod by_light;
 mod direct;
@@ -9,6 +10,7 @@ mod first_hits;
 mod lamps;
 mod lit;
 mod passes;
+mod plan;
 mod path;
 mod place;
 mod sampling;

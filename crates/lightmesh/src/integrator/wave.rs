@@ -4,8 +4,10 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::accuracy::choose_plan;
 use super::block::{BLOCK, Block, WaveRay};
 use super::lit::{DirectLighting, LitVertices};
+use super::plan::{Indirect, Plan};
 use super::passes::{SumOrder, take_samples};
 use super::surface::Vertex;
 use super::watch::Watch;
@@ -30,12 +32,13 @@ pub(crate) enum Lighting<'a> {
 }
 
 /// What a picture is made with.
-struct Frame<'a> {
-    scene: &'a Scene,
-    options: &'a RenderOptions,
+pub(super) struct WaveFrame<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a RenderOptions,
     lighting: Lighting<'a>,
     marks: Option<LightMarks>,
     blocks: Vec<Block>,
+    pub(super) plan: Plan,
 }
 
 /// Renders the picture with exact or mesh light.
@@ -51,70 +54,81 @@ pub(crate) fn render_waves(
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
     let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-    let mut frame = Frame { scene, options, lighting, marks, blocks };
+    let mut frame = WaveFrame { scene, options, lighting, marks, blocks, plan: Plan::of(options) };
     let mut stats = RenderStats::default();
+    if let Some(bound) = options.error {
+        stats.estimated_error = Some(choose_plan(&mut frame, film, bound, watch, &mut stats)?);
+    }
     let lamps = scene.has_lamps();
     if lamps {
         film.watch_lamps();
     }
     take_samples(film, options, SumOrder::Waves, watch, |film, watch, reporter| {
-        render_pass(&mut frame, film, watch, reporter, &mut stats)
+        frame.render_pass(film, watch, reporter, &mut stats)
     })?;
     if lamps && film.whole_passes() == options.spp && film.turn_to_outlines(watch.samples_left()) {
         let reporter = Reporter::new(watch.progress, Stage::Outlines, film.sample_count());
-        render_pass(&mut frame, film, watch, &reporter, &mut stats)?;
+        frame.render_pass(film, watch, &reporter, &mut stats)?;
     }
     Ok(stats)
 }
 
-/// Takes the samples of the film's pass.
-fn render_pass(
-    frame: &mut Frame<'_>,
-    film: &mut Film,
-    watch: &mut Watch<'_>,
-    reporter: &Reporter<'_>,
-    stats: &mut RenderStats,
-) -> Result<(), Error> {
-    // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
-    // them for each mirror and refraction event.
-    let mut queue: Vec<WaveRay> = Vec::new();
-    while let Some(count) = watch.next_wave(film, WAVE as u64) {
-        // Camera rays.
-        let started = Instant::now();
-        let (scene, options) = (frame.scene, frame.options);
-        let used = count.div_ceil(BLOCK as u64) as usize;
-        let (camera, first) = (&*film, film.done());
-        frame.blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
-            let begin = first + (i * BLOCK) as u64;
-            block.take_camera_rays(camera, begin..(begin + BLOCK as u64).min(first + count));
-            block.trace(scene, options);
-        });
-        stats.rays.primary += count;
-        stats.seconds.primary += started.elapsed().as_secs_f64();
-        frame.finish_wave(used, film, &mut queue, reporter, stats)?;
+impl WaveFrame<'_> {
+    /// Whether there is no indirect light in the picture.
+    pub(super) fn is_direct(&self) -> bool {
+        match &self.lighting {
+            Lighting::Exact => true,
+            Lighting::Mesh(mesh) => mesh.indirect.is_none(),
+        }
+    }
 
-        // Those that go on.
-        while !queue.is_empty() {
+    /// Takes the samples of the film's pass.
+    pub(super) fn render_pass(
+        &mut self,
+        film: &mut Film,
+        watch: &mut Watch<'_>,
+        reporter: &Reporter<'_>,
+        stats: &mut RenderStats,
+    ) -> Result<(), Error> {
+        // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
+        // them for each mirror and refraction event.
+        let mut queue: Vec<WaveRay> = Vec::new();
+        while let Some(count) = watch.next_wave(film, WAVE as u64) {
+            // Camera rays.
             let started = Instant::now();
-            let rest = queue.len().saturating_sub(WAVE);
-            let wave = &queue[rest..];
-            let used = wave.len().div_ceil(BLOCK);
-            stats.rays.secondary += wave.len() as u64;
-            frame.blocks[..used].par_iter_mut().zip(wave.par_chunks(BLOCK)).for_each(|(block, rays)| {
-                block.input.clear();
-                block.input.extend_from_slice(rays);
+            let (scene, options) = (self.scene, self.options);
+            let used = count.div_ceil(BLOCK as u64) as usize;
+            let (camera, first) = (&*film, film.done());
+            self.blocks[..used].par_iter_mut().enumerate().for_each(|(i, block)| {
+                let begin = first + (i * BLOCK) as u64;
+                block.take_camera_rays(camera, begin..(begin + BLOCK as u64).min(first + count));
                 block.trace(scene, options);
             });
-            queue.truncate(rest);
-            stats.seconds.shade += started.elapsed().as_secs_f64();
-            frame.finish_wave(used, film, &mut queue, reporter, stats)?;
-        }
-        watch.wave_done(film, count);
-    }
-    Ok(())
-}
+            stats.rays.primary += count;
+            stats.seconds.primary += started.elapsed().as_secs_f64();
+            self.finish_wave(used, film, &mut queue, reporter, stats)?;
 
-impl Frame<'_> {
+            // Those that go on.
+            while !queue.is_empty() {
+                let started = Instant::now();
+                let rest = queue.len().saturating_sub(WAVE);
+                let wave = &queue[rest..];
+                let used = wave.len().div_ceil(BLOCK);
+                stats.rays.secondary += wave.len() as u64;
+                self.blocks[..used].par_iter_mut().zip(wave.par_chunks(BLOCK)).for_each(|(block, rays)| {
+                    block.input.clear();
+                    block.input.extend_from_slice(rays);
+                    block.trace(scene, options);
+                });
+                queue.truncate(rest);
+                stats.seconds.shade += started.elapsed().as_secs_f64();
+                self.finish_wave(used, film, &mut queue, reporter, stats)?;
+            }
+            watch.wave_done(film, count);
+        }
+        Ok(())
+    }
+
     /// Lights what the first `used` blocks have hit; light goes to the film and rays that go on to the queue, in order.
     fn finish_wave(
         &mut self,
@@ -125,7 +139,7 @@ impl Frame<'_> {
         stats: &mut RenderStats,
     ) -> Result<(), Error> {
         let blocks = &mut self.blocks[..used];
-        light(self.scene, blocks, self.options, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
+        light((self.scene, self.options, self.plan), blocks, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
         let started = Instant::now();
         for block in blocks {
             block.add_to(film);
@@ -140,9 +154,8 @@ impl Frame<'_> {
 
 /// Computes the irradiance at every vertex of the blocks.
 fn light(
-    scene: &Scene,
+    (scene, options, plan): (&Scene, &RenderOptions, Plan),
     blocks: &mut [Block],
-    options: &RenderOptions,
     lighting: &mut Lighting<'_>,
     marks: Option<&mut LightMarks>,
     reporter: &Reporter<'_>,
@@ -153,7 +166,7 @@ fn light(
     match (lighting, marks) {
         (Lighting::Mesh(mesh), Some(marks)) => {
             let (field, direct_marks) = (&mut mesh.direct, &mut marks.direct);
-            let mut direct = DirectLighting { scene, options, field, marks: direct_marks, reporter, stats };
+            let mut direct = DirectLighting { scene, options, plan, field, marks: direct_marks, reporter, stats };
             let mut lists: Vec<&mut LitVertices> = blocks.iter_mut().map(|block| &mut block.lit).collect();
             let seconds = direct.light(Sight::Every, &mut lists)?;
             let sum = &mut direct.stats.seconds;
@@ -175,7 +188,7 @@ fn light(
             let started = Instant::now();
             blocks.par_iter_mut().for_each(|block| {
                 if !reporter.cancelled() {
-                    block.lit.shade_exactly(scene, options.falloff);
+                    block.lit.shade_exactly(scene, scene.emitters().all(), options.falloff);
                 }
                 block.report(reporter);
             });
@@ -194,6 +207,9 @@ fn light_indirectly(
 ) -> Result<(), Error> {
     let bounces = direct.options.bounces;
     blocks.iter_mut().for_each(Block::await_indirect);
+    if direct.plan.indirect != Indirect::Mesh {
+        blocks.iter_mut().for_each(Block::disown_all);
+    }
     loop {
         let started = Instant::now();
         let (scene, readable) = (direct.scene, &*field);
@@ -211,8 +227,14 @@ fn light_indirectly(
     // Where nothing could be read, rays are gathered at the surface itself.
     let started = Instant::now();
     let orphans: Vec<Vertex> = blocks.iter().flat_map(Block::orphans).copied().collect();
-    let gathered = field.gather_at(&mut direct, marks, &orphans, bounces)?;
-    direct.stats.gather_fallbacks += orphans.len() as u64;
+    let seed = match direct.plan.indirect {
+        Indirect::Mesh => direct.options.seed,
+        Indirect::Gathered { seed } => direct.options.seed ^ seed << 32,
+    };
+    let gathered = field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?;
+    if direct.plan.indirect == Indirect::Mesh {
+        direct.stats.gather_fallbacks += orphans.len() as u64;
+    }
     let mut gathered = gathered.into_iter();
     for block in blocks {
         for &i in &block.orphans {

@@ -99,7 +99,7 @@ impl DirectField {
         let constant = papers_constant(scene, field);
         let points = Points::new(lattice, neighbourhood);
         let lights = scene.lights();
-        let bits = options.method.knows_lights().then(|| LightBits::new(lights.lanes()));
+        let bits = options.knows_lights().then(|| LightBits::new(lights.lanes()));
         let mut padding = vec![0; lights.lanes().div_ceil(64)];
         for lane in (0..64 * padding.len()).filter(|&i| i >= lights.lanes() || lights.intensity(i) == Vec3::ZERO) {
             padding[lane / 64] |= 1 << (lane % 64);
@@ -110,7 +110,7 @@ impl DirectField {
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
         self.field == Field::of(options)
             && self.points.neighbourhood == neighbourhood
-            && self.bits.is_some() == options.method.knows_lights()
+            && self.bits.is_some() == options.knows_lights()
     }
 
     pub(super) fn marks(&self) -> Marks {

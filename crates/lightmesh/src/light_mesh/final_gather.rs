@@ -27,7 +27,7 @@ impl IndirectField {
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
         vertices: &[Vertex],
-        bounces: u32,
+        (bounces, seed): (u32, u64),
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());
         let mut gathers: Vec<Gather> = Vec::new();
@@ -36,7 +36,7 @@ impl IndirectField {
             let batch = &mut gathers[..chunk.len()];
             let (scene, options) = (direct.scene, direct.options);
             batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemisphere(scene, options, vertex, RAYS);
+                gather.hemisphere(scene, options, vertex, (RAYS, seed));
                 if bounces == 0 {
                     gather.lit.vertices.clear();
                 }

@@ -105,9 +105,15 @@ impl Gather {
         self.trace(scene, options, seed);
     }
 
-    /// Shoots `count` rays from a surface, in proportion to the cosine. Lobes: π / count, in x.
-    pub(super) fn hemisphere(&mut self, scene: &Scene, options: &RenderOptions, vertex: &Vertex, count: u32) {
-        let seed = seed_of_surface(options.seed, vertex.position);
+    /// Shoots `count` rays from a surface, in proportion to the cosine; other seeds give other rays. Lobes: π / count, in x.
+    pub(super) fn hemisphere(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        vertex: &Vertex,
+        (count, seed): (u32, u64),
+    ) {
+        let seed = seed_of_surface(seed, vertex.position);
         let (t, b) = basis(vertex.n);
         self.lobes.clear();
         self.lobes.resize(count as usize, Vec3::X * (PI / count as f32));

@@ -19,6 +19,15 @@ pub(crate) struct Term {
     pub factor: f32,
 }
 
+/// What the lights of a block of [`LANES`] give together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlockSum {
+    /// The sum of c_i, mean over the channels, of all but those that are wanted one by one.
+    pub mass: f32,
+    /// Which those are, a bit per lane.
+    pub terms: u32,
+}
+
 /// Surface and attenuation of a sum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
@@ -36,8 +45,7 @@ pub(crate) struct Receiver {
 
 impl LightSamples {
     /// Σ w_i c_i, lux per channel, with a weight for every lane, over all lights but the terms: those of `lanes` (ascending)
-    /// and the doubtful ones that shine on the surface. Masses: by block of [`LANES`] lights the sum of c_i, mean over the channels,
-    /// of all lights but the terms.
+    /// and the doubtful ones that shine on the surface; and what each block gives.
     pub(crate) fn weighted_irradiance(
         &self,
         level: Level,
@@ -45,13 +53,13 @@ impl LightSamples {
         weights: &[f32],
         lanes: &[u32],
         terms: &mut Vec<Term>,
-        masses: &mut Vec<f32>,
+        sums: &mut Vec<BlockSum>,
     ) -> Vec3 {
         terms.clear();
-        masses.clear();
+        sums.clear();
         let mut sum = Vec3::ZERO;
         dispatch!(level, simd => {
-            sum = weighted_irradiance_simd(simd, self, receiver, weights, lanes, (terms, masses));
+            sum = weighted_irradiance_simd(simd, self, receiver, weights, lanes, (terms, sums));
         });
         sum
     }
@@ -69,7 +77,7 @@ fn weighted_irradiance_simd<S: Simd>(
     receiver: &Receiver,
     weights: &[f32],
     lanes: &[u32],
-    (terms, block_masses): (&mut Vec<Term>, &mut Vec<f32>),
+    (terms, sums): (&mut Vec<Term>, &mut Vec<BlockSum>),
 ) -> Vec3 {
     let Receiver { position, n, ng, doubt, falloff } = *receiver;
     let zero = f32x16::splat(simd, 0.0);
@@ -109,6 +117,7 @@ fn weighted_irradiance_simd<S: Simd>(
                     wanted |= 1 << (lane as usize - first);
                     index += 1;
                 }
+                let bits = wanted;
                 let mut asked = (begin..index).map(|i| (i as u32, lanes[i])).peekable();
                 while wanted != 0 {
                     let i = wanted.trailing_zeros() as usize;
@@ -123,9 +132,9 @@ fn weighted_irradiance_simd<S: Simd>(
                     }
                 }
                 w = f32x16::from_slice(simd, &ws);
-                block_masses.push(masses.iter().sum());
+                sums.push(BlockSum { mass: masses.iter().sum(), terms: bits });
             } else {
-                block_masses.push(sum(mass));
+                sums.push(BlockSum { mass: sum(mass), terms: 0 });
             }
             let weighted = e * w;
             r += weighted * red;
@@ -177,19 +186,19 @@ mod tests {
         };
         let mut plain = Vec::new();
         lights.irradiance(level, receiver.falloff, [(receiver.position, receiver.n)].into_iter(), &mut plain);
-        let (mut terms, mut masses) = (Vec::new(), Vec::new());
+        let (mut terms, mut sums) = (Vec::new(), Vec::new());
         let ones = vec![1.0; lights.lanes()];
-        assert_eq!(lights.weighted_irradiance(level, &receiver, &ones, &[], &mut terms, &mut masses), plain[0]);
+        assert_eq!(lights.weighted_irradiance(level, &receiver, &ones, &[], &mut terms, &mut sums), plain[0]);
 
         let all: Vec<u32> = (0..lights.lanes() as u32).collect();
         let zeros = vec![0.0; lights.lanes()];
-        let nothing = lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut masses);
+        let nothing = lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut sums);
         let sum: Vec3 = terms.iter().map(|t| lights.intensity(t.lane as usize) * t.factor).sum();
         assert!(nothing == Vec3::ZERO && (sum - plain[0]).length() < 1e-5 * sum.length());
 
-        lights.weighted_irradiance(level, &receiver, &ones, &all[..20], &mut terms, &mut masses);
+        lights.weighted_irradiance(level, &receiver, &ones, &all[..20], &mut terms, &mut sums);
         let asked: f32 = terms.iter().map(|t| (lights.intensity(t.lane as usize) * t.factor).element_sum() / 3.0).sum();
-        let (rest, whole) = (masses.iter().sum::<f32>(), plain[0].element_sum() / 3.0);
+        let (rest, whole) = (sums.iter().map(|s: &BlockSum| s.mass).sum::<f32>(), plain[0].element_sum() / 3.0);
         assert!((asked + rest - whole).abs() < 1e-5 * whole);
     }
 
@@ -204,8 +213,8 @@ mod tests {
             falloff: Falloff::InverseSquare,
         };
         let all: Vec<u32> = (0..lights.lanes() as u32).collect();
-        let (mut terms, mut masses, zeros) = (Vec::new(), Vec::new(), vec![0.0; lights.lanes()]);
-        lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut masses);
+        let (mut terms, mut sums, zeros) = (Vec::new(), Vec::new(), vec![0.0; lights.lanes()]);
+        lights.weighted_irradiance(level, &receiver, &zeros, &all, &mut terms, &mut sums);
         for term in &terms {
             let alone = lights.block_terms(level, &receiver, term.lane as usize / LANES)[term.lane as usize % LANES];
             assert_eq!(alone, (term.direction, term.factor));

@@ -18,7 +18,7 @@ pub use data::{Instance, SceneData, ShapeEntry};
 pub use environment::{EmitterOptions, Environment, soft_environment};
 pub use light::Light;
 pub(crate) use light_samples::{Directions, LANES, LightSamples};
-pub(crate) use light_terms::{Receiver, Term};
+pub(crate) use light_terms::{BlockSum, Receiver, Term};
 pub use material::{AlphaMode, Material};
 pub(crate) use texture::Decode;
 pub use texture::{Filter, ImageData, Texels, Texture, TextureRef, UvTransform, Wrap};

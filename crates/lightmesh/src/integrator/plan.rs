@@ -1,0 +1,69 @@
+//! How a picture's surfaces take their light: what the method says, or what keeps the error within its bound.
+
+use super::by_light::Care;
+use super::sampling::hash;
+use crate::light_mesh::Sight;
+use crate::{Method, RenderOptions};
+
+/// How surfaces take their light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plan {
+    /// Direct light of what the camera sees.
+    pub seen: Shading,
+    /// Direct light where gather rays end: only the sum counts.
+    pub gathered: Shading,
+    /// Indirect light of what the camera sees.
+    pub indirect: Indirect,
+}
+
+/// How surfaces take their direct light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Shading {
+    /// A shadow ray to every light sample.
+    Exact,
+    /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
+    MeanVisibility,
+    /// Light by light, with shadow rays as far as some care wants them.
+    ByLight(Care),
+    /// The mesh as control variate of so many shadow rays.
+    Unbiased {
+        rays: u32,
+        seed: u32,
+    },
+}
+
+/// How surfaces take their indirect light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Indirect {
+    /// From the indirect mesh: formula (6).
+    Mesh,
+    /// From gather rays of their own, which read the mesh where they end.
+    Gathered {
+        /// Other seeds give other rays.
+        seed: u64,
+    },
+}
+
+impl Plan {
+    /// What the method says.
+    pub(crate) fn of(options: &RenderOptions) -> Self {
+        let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
+        let unbiased = |rays| Shading::Unbiased { rays, seed };
+        let (seen, gathered) = match options.method {
+            Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
+            Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
+            Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
+            Method::Hybrid => (Shading::ByLight(Care::HYBRID), unbiased(1)),
+            Method::Unbiased => (unbiased(options.rays), unbiased(1)),
+        };
+        Self { seen, gathered, indirect: Indirect::Mesh }
+    }
+
+    /// How vertices that look at the mesh like this take their direct light.
+    pub(super) fn shading(&self, sight: Sight) -> Shading {
+        match sight {
+            Sight::Every => self.seen,
+            Sight::One => self.gathered,
+        }
+    }
+}
