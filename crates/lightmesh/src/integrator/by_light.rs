@@ -90,17 +90,16 @@ impl ByLight {
         let (terms, sums) = (&mut self.terms, &mut self.sums);
         let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
         self.clear_rays();
-        let mass = |term: &Term| lights.intensity(term.lane as usize).element_sum() / 3.0 * term.factor;
-        let total = self.sums.iter().map(|block| block.mass).sum::<f32>() + self.terms.iter().map(mass).sum::<f32>();
+        let total = self.sums.iter().map(|block| block.mass).sum::<f32>() + self.terms.iter().map(|term| term.mass).sum::<f32>();
 
         // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
         let quantum = care.quantum * total;
         let mut next = quantum * random(seed, 0);
         for term in &self.terms {
+            let v = agreement.estimate(term);
             let lane = term.lane as usize;
             let c = lights.intensity(lane) * term.factor;
-            let v = agreement.estimate(term);
-            let doubt = mass(term) * if term.index.is_some() { 2.0 * (v * (1.0 - v)).sqrt() } else { 1.0 };
+            let doubt = term.mass * if term.index.is_some() { 2.0 * (v * (1.0 - v)).sqrt() } else { 1.0 };
             let (weight, expected) = if doubt >= quantum {
                 (c, 0.0)
             } else {
@@ -180,7 +179,7 @@ impl ByLight {
             let v = agreement.estimate(term);
             sum += c * v;
             estimates.push(v);
-            masses.push(c.element_sum() / 3.0 * ((v * (1.0 - v)).sqrt() + DOUBT));
+            masses.push(term.mass * ((v * (1.0 - v)).sqrt() + DOUBT));
         }
         let total: f32 = self.masses.iter().sum();
         if !(total > 0.0) {

@@ -18,6 +18,8 @@ pub(crate) struct Agreement {
     pub disputed: Vec<u32>,
     /// What the points of each disputed lane say: `seen` and `open`, a bit per point.
     votes: Vec<(u32, u32)>,
+    /// Of at most eight points: the weight of every subset of the first four and of the last four, their sum 1.
+    subsets: [[f32; 16]; 2],
     /// Lights on this side of the surface may be hidden by what hides points there; zero: no point is hidden.
     pub doubt: Vec3,
 }
@@ -35,6 +37,7 @@ impl Agreement {
             sure: vec![0.0; lanes],
             disputed: Vec::new(),
             votes: Vec::new(),
+            subsets: [[0.0; 16]; 2],
             doubt: Vec3::ZERO,
         }
     }
@@ -62,6 +65,17 @@ impl Agreement {
         if self.counted != self.points {
             self.counted.clone_from(&self.points);
             self.count(bits);
+        }
+        let total = 1.0 / self.weights.iter().sum::<f32>();
+        self.weights.iter_mut().for_each(|weight| *weight *= total);
+        if self.weights.len() <= 8 {
+            for (half, subsets) in self.subsets.iter_mut().enumerate() {
+                let weights = self.weights.get(4 * half..).unwrap_or_default();
+                for (subset, sum) in subsets.iter_mut().enumerate() {
+                    let of = |k: usize| if subset >> k & 1 != 0 { weights.get(k).copied().unwrap_or(0.0) } else { 0.0 };
+                    *sum = (of(0) + of(1)) + (of(2) + of(3));
+                }
+            }
         }
         self
     }
@@ -98,13 +112,13 @@ impl Agreement {
     pub(crate) fn estimate(&self, term: &Term) -> f32 {
         let Some(i) = term.index else { return self.sure[term.lane as usize] };
         let (seen, open) = self.votes[i as usize];
-        let vote = |k: usize| 0.5 * ((seen >> k & 1) + (open >> k & 1)) as f32;
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (k, weight) in self.weights.iter().enumerate() {
-            sum += weight * vote(k);
-            total += weight;
-        }
-        sum / total
+        let weight = |voters: u32| -> f32 {
+            if self.weights.len() <= 8 {
+                return self.subsets[0][voters as usize & 15] + self.subsets[1][voters as usize >> 4 & 15];
+            }
+            self.weights.iter().enumerate().map(|(k, weight)| (voters >> k & 1) as f32 * weight).sum()
+        };
+        0.5 * (weight(seen) + weight(open))
     }
 }
 
@@ -133,7 +147,7 @@ mod tests {
             agreement.begin(Vec3::ZERO);
             weights.iter().enumerate().for_each(|(point, &weight)| agreement.add(point as u32, weight));
             let agreement = agreement.ask(&bits);
-            let term = |i| Term { lane: 2 + i, index: Some(i), direction: Vec3::Y, factor: 1.0 };
+            let term = |i| Term { lane: 2 + i, index: Some(i), direction: Vec3::Y, factor: 1.0, mass: 1.0 };
             [0, 1].map(|i| agreement.estimate(&term(i)))
         };
         assert_eq!(ask([3.0, 1.0]), [0.75, 0.125]);

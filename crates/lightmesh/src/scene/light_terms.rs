@@ -17,6 +17,8 @@ pub(crate) struct Term {
     pub direction: Vec3,
     /// f max(0, n · d): what its intensity is multiplied by.
     pub factor: f32,
+    /// c_i, mean over the channels.
+    pub mass: f32,
 }
 
 /// What the lights of a block of [`LANES`] give together.
@@ -125,10 +127,10 @@ fn weighted_irradiance_simd<S: Simd>(
                     let lane = (first + i) as u32;
                     let index = asked.next_if(|&(_, asked)| asked == lane).map(|(index, _)| index);
                     ws[i] = 0.0;
-                    masses[i] = 0.0;
-                    if factors[i] > 0.0 {
+                    let mass = std::mem::take(&mut masses[i]);
+                    if mass > 0.0 {
                         let direction = Vec3::new(d[0][i], d[1][i], d[2][i]);
-                        terms.push(Term { lane, index, direction, factor: factors[i] });
+                        terms.push(Term { lane, index, direction, factor: factors[i], mass });
                     }
                 }
                 w = f32x16::from_slice(simd, &ws);
