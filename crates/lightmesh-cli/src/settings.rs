@@ -21,6 +21,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         indirect_spacing,
         gather_rays,
         error,
+        refine,
         rays,
         interpolation,
         field_falloff,
@@ -43,6 +44,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "indirect-spacing": spell_spacing(*indirect_spacing),
         "gather-rays": gather_rays,
         "error": error.map(|error| error.to_string()),
+        "refine": refine,
         "rays": rays,
         "interpolation": match interpolation {
             Interpolation::Auto => "auto".to_owned(),

@@ -116,6 +116,7 @@ impl From<&RenderStats> for FallbackStats {
 struct OneMeshStats {
     spacing_m: f64,
     points_used: u64,
+    points_refined: u64,
     points_total: u64,
     points_invalid: u64,
     bytes: u64,
@@ -126,6 +127,7 @@ impl From<MeshStats> for OneMeshStats {
         Self {
             spacing_m: mesh.spacing_m,
             points_used: mesh.points_used,
+            points_refined: mesh.points_refined,
             points_total: mesh.points_total,
             points_invalid: mesh.points_invalid,
             bytes: mesh.bytes,

@@ -66,6 +66,8 @@ pub struct MeshStats {
     pub spacing_m: f64,
     /// Points that have been evaluated.
     pub points_used: u64,
+    /// Those of them that are on finer levels than the first.
+    pub points_refined: u64,
     /// Points that a mesh filled over the whole scene's box would have.
     pub points_total: u64,
     /// Evaluated points that were found invalid (inside a solid).

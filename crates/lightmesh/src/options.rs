@@ -132,6 +132,9 @@ pub struct RenderOptions {
     /// exactly; above 0. Of [`Method::Mesh`] alone: it then reads the mesh light by light, with as many shadow rays as it takes.
     /// `None`: whatever the mesh gives.
     pub error: Option<f32>,
+    /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all, or where
+    /// there is a bound on the error twice.
+    pub refine: Option<u32>,
     /// Shadow rays at each hit with [`Method::Unbiased`]; 1 to 65536.
     pub rays: u32,
     /// How mesh points are combined.
@@ -165,6 +168,7 @@ impl Default for RenderOptions {
             indirect_spacing: Spacing::default(),
             gather_rays: 256,
             error: None,
+            refine: None,
             rays: 4,
             interpolation: Interpolation::default(),
             field_falloff: Falloff::default(),
@@ -178,6 +182,11 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// Levels of the meshes beyond the first.
+    pub(crate) fn refinements(&self) -> u32 {
+        self.refine.unwrap_or(if self.error.is_some() { 2 } else { 0 })
+    }
+
     /// Whether mesh points keep what they know of each light.
     pub(crate) fn knows_lights(&self) -> bool {
         matches!(self.method, Method::Hybrid | Method::Unbiased) || self.error.is_some()
@@ -256,6 +265,17 @@ impl RenderOptions {
             }
             if self.method != Method::Mesh {
                 return bad("error", "is kept to by the method mesh alone".into());
+            }
+        }
+        if let Some(refine) = self.refine.filter(|&levels| levels > 0) {
+            if refine > 4 {
+                return bad("refine", format!("must be at most 4, not {refine}"));
+            }
+            if !matches!(self.method, Method::Mesh | Method::Hybrid | Method::Unbiased) {
+                return bad("refine", "is for the methods mesh, hybrid and unbiased".into());
+            }
+            if !matches!(self.interpolation, Interpolation::Auto | Interpolation::Trilinear) {
+                return bad("interpolation", "meshes that are refined are read trilinear".into());
             }
         }
         if self.bounces > 4096 {

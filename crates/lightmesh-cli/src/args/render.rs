@@ -101,6 +101,9 @@ pub(crate) struct RenderArgs {
     /// Rays that gather light at a point of the indirect mesh, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().gather_rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     gather_rays: u32,
+    /// How often the meshes may halve their spacing where their light is not good enough, 0 to 4 [default: 0, with --error 2]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(..=4), help_heading = "Light mesh")]
+    refine: Option<u32>,
     /// Shadow rays at each hit with --method unbiased, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     rays: u32,
@@ -169,6 +172,7 @@ impl RenderArgs {
             indirect_spacing: self.indirect_spacing,
             gather_rays: self.gather_rays,
             error: self.error,
+            refine: self.refine,
             rays: self.rays,
             interpolation: self.interpolation,
             field_falloff: self.field_falloff,

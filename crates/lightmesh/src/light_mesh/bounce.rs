@@ -10,6 +10,7 @@ use super::direct::Axes;
 use super::gather::{Gather, seed_of_point, sphere_directions};
 use super::indirect::{IndirectField, Sides};
 use super::marks::Marks;
+use super::points::Address;
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Outcome, Sight, choose};
 use crate::integrator::{DirectLighting, seed_of_place};
@@ -90,11 +91,14 @@ impl IndirectField {
     /// Finds out which of the marked points are inside solids, and gives the others their index.
     fn probe(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let wanted = self.points.take(marks, self.bytes_per_point(), self.max_memory)?;
-        let (lattice, scene) = (&self.points.lattice, direct.scene);
+        let (points, scene) = (&self.points, direct.scene);
         let probed: Vec<_> = match self.sides {
             Sides::Six => {
                 direct.stats.rays.secondary += PROBE_RAYS * wanted.len() as u64;
-                let look = |&c: &_| (c, probe(scene, lattice.point(c), lattice.spacing()));
+                let look = |&at: &Address| {
+                    let spacing = points.level(at.level).lattice.spacing();
+                    (at, probe(scene, points.place(at), spacing))
+                };
                 wanted.par_iter().map(look).collect()
             }
             // The paper's mesh knows no geometry: every point counts.
@@ -127,7 +131,7 @@ impl IndirectField {
     ) -> Result<(), Error> {
         let (scene, options, batch_len) = (direct.scene, direct.options, batch.len());
         batch.par_iter_mut().zip(first..first + batch_len).for_each(|(gather, index)| {
-            let seed = seed_of_point(self.seed, self.points.coordinate(index));
+            let seed = seed_of_point(self.seed, self.points.address(index));
             gather.sphere(scene, options, self.points.position(index), seed, directions);
         });
 

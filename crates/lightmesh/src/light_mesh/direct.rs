@@ -94,10 +94,10 @@ pub(crate) enum LightsReading<'a> {
 }
 
 impl DirectField {
-    pub(super) fn new(scene: &Scene, lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+    pub(super) fn new(scene: &Scene, lattices: Vec<Lattice>, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
         let field = Field::of(options);
         let constant = papers_constant(scene, field);
-        let points = Points::new(lattice, neighbourhood);
+        let points = Points::new(lattices, neighbourhood);
         let lights = scene.lights();
         let bits = options.knows_lights().then(|| LightBits::new(lights.lanes()));
         let mut padding = vec![0; lights.lanes().div_ceil(64)];
@@ -122,6 +122,11 @@ impl DirectField {
         self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64)
     }
 
+    /// Its points, to be refined.
+    pub(crate) fn points_mut(&mut self) -> &mut Points {
+        &mut self.points
+    }
+
     /// Its points.
     pub(crate) fn points(&self) -> &Points {
         &self.points
@@ -129,7 +134,7 @@ impl DirectField {
 
     /// How often the cell that a vertex reads has been refined.
     pub(crate) fn level_at(&self, vertex: &Vertex) -> u32 {
-        self.points.lattice.level_at(vertex.position)
+        self.points.cell(vertex).0
     }
 
     /// A reader for one thread.
@@ -174,7 +179,7 @@ impl DirectField {
         let wanted = self.points.take(marks, bytes_per_point, self.max_memory)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
-        let (lattice, field, constant) = (&self.points.lattice, self.field, self.constant);
+        let (grid, field, constant) = (&self.points, self.field, self.constant);
         let (bits, padding) = (self.bits.as_ref(), self.padding.as_slice());
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
@@ -182,10 +187,10 @@ impl DirectField {
                 let mut evaluator = Evaluator::new(scene, field, constant);
                 let points: Vec<_> = chunk
                     .iter()
-                    .map(|&coordinate| {
-                        let x = lattice.point(coordinate);
+                    .map(|&address| {
+                        let x = grid.place(address);
                         let clearance = match field {
-                            Field::SixAxis { .. } => probe(scene, x, lattice.spacing()),
+                            Field::SixAxis { .. } => probe(scene, x, grid.level(address.level).lattice.spacing()),
                             // The paper's mesh knows no geometry: every point counts.
                             Field::Scalar { .. } => Some(Clearance::ALL_FREE),
                         };
@@ -193,7 +198,7 @@ impl DirectField {
                             let values = evaluator.evaluate(x);
                             (values, bits.map(|bits| evaluator.pack(bits, padding)))
                         });
-                        ((coordinate, clearance), values)
+                        ((address, clearance), values)
                     })
                     .collect();
                 (points, evaluator.shadow_rays())
@@ -253,22 +258,16 @@ impl DirectReader<'_> {
     pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
         let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
         if !self.reader.reads_cells() {
-            let outcome = self.reader.read(vertex, marks, |index, weight| {
-                let point = self.field.fold(index, vertex.n);
-                visible += point.0 * weight;
-                all += point.1 * weight;
-            });
-            return match outcome {
-                Outcome::Read => ratio(visible.truncate(), all.truncate()),
-                Outcome::Nothing => Reading::Nothing,
-                Outcome::Empty => Reading::Empty,
-            };
+            return self.read_points(vertex, marks);
         }
         let seen = match self.reader.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(Outcome::Empty) => return Reading::Empty,
             Err(_) => return Reading::Nothing,
         };
+        if seen.refined > 0.0 {
+            return self.read_points(vertex, marks);
+        }
         if !self.known.goes_on(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
             for k in corners_of(seen.mask) {
@@ -291,6 +290,21 @@ impl DirectReader<'_> {
         ratio(visible.truncate(), all.truncate())
     }
 
+    /// The same, point by point.
+    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+        let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
+        let outcome = self.reader.read(vertex, marks, |index, weight| {
+            let point = self.field.fold(index, vertex.n);
+            visible += point.0 * weight;
+            all += point.1 * weight;
+        });
+        match outcome {
+            Outcome::Read => ratio(visible.truncate(), all.truncate()),
+            Outcome::Nothing => Reading::Nothing,
+            Outcome::Empty => Reading::Empty,
+        }
+    }
+
     /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
     /// that asks.
     #[inline(always)]
@@ -298,18 +312,16 @@ impl DirectReader<'_> {
         let Some(bits) = &self.field.bits else { return LightsReading::Nothing };
         let agreement = &mut self.agreement;
         if !self.reader.reads_cells() {
-            agreement.begin(Vec3::ZERO);
-            return match self.reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
-                Outcome::Read => LightsReading::Agreement(agreement.ask(bits)),
-                Outcome::Nothing => LightsReading::Nothing,
-                Outcome::Empty => LightsReading::Empty,
-            };
+            return Self::ask_points(&mut self.reader, agreement, bits, vertex, marks);
         }
         let seen = match self.reader.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(Outcome::Empty) => return LightsReading::Empty,
             Err(_) => return LightsReading::Nothing,
         };
+        if seen.refined > 0.0 {
+            return Self::ask_points(&mut self.reader, agreement, bits, vertex, marks);
+        }
         // Lights beyond corners that are missing are beyond what hides these.
         let doubt = if seen.missing == 0 { Vec3::ZERO } else { self.reader.towards(vertex, seen.missing) };
         agreement.begin(doubt);
@@ -317,6 +329,21 @@ impl DirectReader<'_> {
             agreement.add(self.reader.index(k), seen.weights[k / 4][k % 4]);
         }
         LightsReading::Agreement(agreement.ask(bits))
+    }
+
+    fn ask_points<'b>(
+        reader: &mut Reader<'_>,
+        agreement: &'b mut Agreement,
+        bits: &LightBits,
+        vertex: &Vertex,
+        marks: &Marks,
+    ) -> LightsReading<'b> {
+        agreement.begin(Vec3::ZERO);
+        match reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
+            Outcome::Read => LightsReading::Agreement(agreement.ask(bits)),
+            Outcome::Nothing => LightsReading::Nothing,
+            Outcome::Empty => LightsReading::Empty,
+        }
     }
 
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0

@@ -10,6 +10,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use super::Coordinate;
+use super::points::Address;
 use crate::bvh::Hit;
 use crate::geometry::Ray;
 use crate::integrator::{LitVertices, MAX_LAYERS, Vertex, basis, evaluate, hash, sample_cosine_hemisphere};
@@ -66,14 +67,18 @@ fn unit(bits: u32) -> f32 {
 }
 
 /// The seed of a mesh point.
-pub(super) fn seed_of_point(seed: u64, c: Coordinate) -> u32 {
+pub(super) fn seed_of_point(seed: u64, at: Address) -> u32 {
+    seed_of_coordinate(seed.wrapping_add(u64::from(at.level) << 48), at.coordinate)
+}
+
+fn seed_of_coordinate(seed: u64, c: Coordinate) -> u32 {
     let seed = hash(seed as u32 ^ hash((seed >> 32) as u32));
     hash(hash(hash(seed ^ c.x) ^ c.y) ^ c.z)
 }
 
 /// The seed of a surface point.
 fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
-    seed_of_point(seed, Coordinate::from_array(p.to_array().map(f32::to_bits)))
+    seed_of_coordinate(seed, Coordinate::from_array(p.to_array().map(f32::to_bits)))
 }
 
 /// A rotation, uniform over all (Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992).

@@ -69,9 +69,9 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(super) fn new(lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+    pub(super) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
         Self {
-            points: Points::new(lattice, neighbourhood),
+            points: Points::new(lattices, neighbourhood),
             sides: Sides::of(options),
             gather_rays: options.gather_rays,
             seed: options.seed,
@@ -86,6 +86,11 @@ impl IndirectField {
             && self.points.neighbourhood == neighbourhood
             && (self.gather_rays, self.seed) == (options.gather_rays, options.seed)
             && (options.bounces as usize) < self.levels.len()
+    }
+
+    /// Where its points are, to be refined.
+    pub(crate) fn points_mut(&mut self) -> &mut Points {
+        &mut self.points
     }
 
     /// Where its points are.
@@ -164,22 +169,16 @@ impl IndirectReader<'_> {
     pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
         if !self.reader.reads_cells() {
-            let axes = Axes::facing(vertex.n);
-            let outcome = self.reader.read(vertex, marks, |index, weight| {
-                sum += self.field.irradiance(self.level, index, &axes) * weight;
-                total += weight;
-            });
-            return match outcome {
-                Outcome::Read => IndirectReading::Irradiance(sum.truncate() / total),
-                Outcome::Nothing => IndirectReading::Nothing,
-                Outcome::Empty => IndirectReading::Empty,
-            };
+            return self.read_points(vertex, marks);
         }
         let seen = match self.reader.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(Outcome::Empty) => return IndirectReading::Empty,
             Err(_) => return IndirectReading::Nothing,
         };
+        if seen.refined > 0.0 {
+            return self.read_points(vertex, marks);
+        }
         if !self.known.goes_on(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
             let axes = Axes::facing(vertex.n);
@@ -199,6 +198,21 @@ impl IndirectReader<'_> {
             }
         }
         IndirectReading::Irradiance(sum.truncate() / total)
+    }
+
+    /// The same, point by point.
+    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
+        let axes = Axes::facing(vertex.n);
+        let outcome = self.reader.read(vertex, marks, |index, weight| {
+            sum += self.field.irradiance(self.level, index, &axes) * weight;
+            total += weight;
+        });
+        match outcome {
+            Outcome::Read => IndirectReading::Irradiance(sum.truncate() / total),
+            Outcome::Nothing => IndirectReading::Nothing,
+            Outcome::Empty => IndirectReading::Empty,
+        }
     }
 
     /// Sums up the corners of `mask` for the normal, those that are not known yet.

@@ -105,11 +105,6 @@ impl Lattice {
         (base, (x - base.as_vec3()).clamp(Vec3::ZERO, Vec3::ONE))
     }
 
-    /// How often the cell that holds `p` has been refined: never, a lattice has one spacing everywhere.
-    pub(super) fn level_at(&self, _p: Vec3) -> u32 {
-        0
-    }
-
     /// The lattice points between two positions, both included, clamped to the lattice.
     pub(super) fn range(&self, min: Vec3, max: Vec3) -> (Coordinate, Coordinate) {
         let last = (self.size - 1).as_vec3();

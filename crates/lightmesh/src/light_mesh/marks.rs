@@ -5,23 +5,43 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::bricks::Bricks;
 
+/// Marks on all levels of a mesh.
+#[derive(Debug)]
+pub(crate) struct Marks(Vec<LevelMarks>);
+
+impl Marks {
+    /// No marks, for lattices of so many bricks.
+    pub(super) fn new(bricks: impl Iterator<Item = usize>) -> Self {
+        Self(bricks.map(LevelMarks::new).collect())
+    }
+
+    /// Marks place `local` of a brick of a level. The result does not depend on the order of calls.
+    pub(super) fn set(&self, level: u32, brick: usize, local: usize) {
+        self.0[level as usize].set(brick, local);
+    }
+
+    /// The marks by level.
+    pub(super) fn levels(&mut self) -> impl Iterator<Item = &mut LevelMarks> {
+        self.0.iter_mut()
+    }
+}
+
 /// A bit per point of the bricks that somebody marked.
 #[derive(Debug)]
-pub(crate) struct Marks {
+pub(super) struct LevelMarks {
     /// Eight words per brick index, made when the brick is first marked.
     words: Vec<OnceLock<Box<[AtomicU64; 8]>>>,
     /// The brick indices that have words, in the order of their first mark.
     touched: Mutex<Vec<usize>>,
 }
 
-impl Marks {
+impl LevelMarks {
     /// No marks, for a lattice of so many bricks.
-    pub(super) fn new(bricks: usize) -> Self {
+    fn new(bricks: usize) -> Self {
         Self { words: (0..bricks).map(|_| OnceLock::new()).collect(), touched: Mutex::default() }
     }
 
-    /// Marks place `local` of a brick. The result does not depend on the order of calls.
-    pub(super) fn set(&self, brick: usize, local: usize) {
+    fn set(&self, brick: usize, local: usize) {
         let words = self.words[brick].get_or_init(|| {
             self.touched.lock().unwrap_or_else(PoisonError::into_inner).push(brick);
             Box::default()
@@ -63,7 +83,7 @@ mod tests {
     #[test]
     fn marks_come_back_once_in_order_whoever_set_them_first() {
         let bricks = Bricks::new(UVec3::new(4, 1, 1));
-        let mut marks = Marks::new(4);
+        let mut marks = LevelMarks::new(4);
         for (brick, local) in [(3, 511), (0, 64), (3, 0), (0, 64), (0, 5)] {
             marks.set(brick, local);
         }

@@ -16,6 +16,7 @@ mod final_gather;
 mod gather;
 mod indirect;
 mod lattice;
+mod level;
 mod light_bits;
 mod marks;
 mod neighbourhood;
@@ -61,7 +62,7 @@ impl LightMesh {
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
         let neighbourhood = Neighbourhood::new(options.method, options.interpolation);
-        let lattice = |option, spacing, auto| {
+        let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing serves it.
             let longest = bounds.size().max_element().max(1e-20);
@@ -70,19 +71,23 @@ impl LightMesh {
                 Spacing::Fraction(k) => longest / k,
                 Spacing::Metres(h) => h,
             };
-            Lattice::new(option, &bounds, spacing, neighbourhood.reach(), options.max_memory)
+            let level = |l: u32| {
+                let spacing = spacing / (1 << l) as f32;
+                Lattice::new(option, &bounds, spacing, neighbourhood.reach(), options.max_memory)
+            };
+            (0..=options.refinements()).map(level).collect::<Result<Vec<_>, _>>()
         };
         let meshes = options.method.has_mesh();
         let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
         let indirect = match wants_indirect {
-            true => Some(lattice("indirect-spacing", options.indirect_spacing, Spacing::AUTO_INDIRECT)?),
+            true => Some(lattices("indirect-spacing", options.indirect_spacing, Spacing::AUTO_INDIRECT)?),
             false => None,
         };
-        let direct = lattice("spacing", options.spacing, Spacing::AUTO)?;
+        let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
             direct: DirectField::new(scene, direct, neighbourhood, options),
-            indirect: indirect.map(|lattice| IndirectField::new(lattice, neighbourhood, options)),
+            indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood, options)),
         })
     }
 
@@ -90,6 +95,7 @@ impl LightMesh {
     pub fn serves(&self, options: &RenderOptions) -> bool {
         let neighbourhood = Neighbourhood::new(options.method, options.interpolation);
         self.spacings == [options.spacing, options.indirect_spacing]
+            && self.direct.points().level_count() == options.refinements() + 1
             && self.direct.serves(options, neighbourhood)
             && self.indirect.as_ref().map_or(options.bounces == 0, |field| field.serves(options, neighbourhood))
     }

@@ -59,10 +59,27 @@ pub(super) struct Stencil {
     pub read: u8,
 }
 
+/// 1 for each bit that is set.
+pub(super) const ONES: [Vec4; 16] = {
+    let mut ones = [Vec4::ZERO; 16];
+    let mut i = 0;
+    while i < 16 {
+        ones[i] = Vec4::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32, (i >> 3 & 1) as f32);
+        i += 1;
+    }
+    ones
+};
+
 /// A number per corner: four with the lower z, four with the upper.
 pub(super) type ByCorner = [Vec4; 2];
 
 impl Stencil {
+    /// The trilinear weights of some corners together.
+    #[inline(always)]
+    pub(super) fn sum(&self, corners: u8) -> f32 {
+        self.weights[0].dot(ONES[corners as usize & 15]) + self.weights[1].dot(ONES[corners as usize >> 4])
+    }
+
     /// The trilinear weight of corner k.
     #[inline(always)]
     pub(super) fn weight(&self, k: usize) -> f32 {

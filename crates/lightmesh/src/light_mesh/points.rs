@@ -7,92 +7,100 @@ use super::Coordinate;
 use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
 use super::lattice::{self, Lattice};
+use super::level::Level;
 use super::marks::Marks;
-use super::neighbourhood::{Neighbourhood, corner};
+use super::neighbourhood::{Neighbourhood, trilinear};
 use super::reader::{Reader, Sight};
+use crate::integrator::Vertex;
 use crate::{Error, MeshStats, Scene};
 
-/// Points of a lattice, filled as they are asked for.
+/// Where a mesh point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Address {
+    pub level: u32,
+    pub coordinate: Coordinate,
+}
+
+/// Points of the lattices of all levels, filled as they are asked for; their indices are one sequence.
 #[derive(Debug)]
 pub(crate) struct Points {
-    pub(super) lattice: Lattice,
+    /// The coarsest first.
+    levels: Vec<Level>,
     pub(super) neighbourhood: Neighbourhood,
-    bricks: Bricks,
     /// By index of the filled point.
-    coordinates: Vec<Coordinate>,
+    addresses: Vec<Address>,
     clearances: Vec<Clearance>,
-    /// Coordinates of the points inside solids.
-    invalid: Vec<Coordinate>,
+    /// Where the points inside solids are.
+    invalid: Vec<Address>,
 }
 
 /// A point that was wanted: where, and what was found there; `None`: it is inside a solid.
-pub(super) type Probed = (Coordinate, Option<Clearance>);
+pub(super) type Probed = (Address, Option<Clearance>);
 
 impl Points {
-    pub(super) fn new(lattice: Lattice, neighbourhood: Neighbourhood) -> Self {
-        let bricks = Bricks::new(lattice.bricks());
-        Self { lattice, neighbourhood, bricks, coordinates: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
+    /// `lattices` by level.
+    pub(super) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood) -> Self {
+        let levels = lattices.into_iter().map(Level::new).collect();
+        Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
     }
 
     /// Filled points, whose indices go from 0 up.
     pub(super) fn len(&self) -> usize {
-        self.coordinates.len()
+        self.addresses.len()
+    }
+
+    /// A level; 0 is the coarsest.
+    #[inline(always)]
+    pub(super) fn level(&self, level: u32) -> &Level {
+        &self.levels[level as usize]
+    }
+
+    /// How many levels there may be.
+    pub(crate) fn level_count(&self) -> u32 {
+        self.levels.len() as u32
+    }
+
+    /// Where a point is, metres.
+    pub(super) fn place(&self, address: Address) -> Vec3 {
+        self.level(address.level).lattice.point(address.coordinate)
     }
 
     /// Where a filled point is, metres.
     pub(super) fn position(&self, index: usize) -> Vec3 {
-        self.lattice.point(self.coordinates[index])
+        self.place(self.addresses[index])
     }
 
     /// Where the filled points are, metres, in the order in which they were filled.
     pub(crate) fn valid_positions(&self) -> impl Iterator<Item = Vec3> {
-        self.coordinates.iter().map(|&coordinate| self.lattice.point(coordinate))
+        self.addresses.iter().map(|&address| self.place(address))
     }
 
     /// Where the points are that were found inside solids, metres.
     pub(crate) fn invalid_positions(&self) -> impl Iterator<Item = Vec3> {
-        self.invalid.iter().map(|&coordinate| self.lattice.point(coordinate))
+        self.invalid.iter().map(|&address| self.place(address))
     }
 
-    /// Distance between neighbours, metres.
+    /// Distance between neighbours on the coarsest level, metres.
     pub(crate) fn spacing(&self) -> f32 {
-        self.lattice.spacing()
+        self.levels[0].lattice.spacing()
     }
 
-    pub(super) fn coordinate(&self, index: usize) -> Coordinate {
-        self.coordinates[index]
+    pub(super) fn address(&self, index: usize) -> Address {
+        self.addresses[index]
     }
 
     pub(super) fn clearance(&self, index: u32) -> Clearance {
         self.clearances[index as usize]
     }
 
-    #[inline(always)]
-    pub(super) fn slot(&self, coordinate: Coordinate) -> Slot {
-        let (brick, local) = lattice::split(coordinate);
-        self.bricks.slot(self.lattice.brick_index(brick), local)
-    }
-
-    /// The slots of a cell's eight corners.
-    #[inline(always)]
-    pub(super) fn slots(&self, cell: Coordinate) -> [Slot; 8] {
-        let (brick, local) = lattice::split(cell);
-        if (cell & 7).max_element() < 7 {
-            // All in one brick.
-            let slots = self.bricks.brick(self.lattice.brick_index(brick));
-            return std::array::from_fn(|k| slots.at(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
-        }
-        std::array::from_fn(|k| self.slot(corner(cell, k)))
-    }
-
-    pub(super) fn mark(&self, coordinate: Coordinate, marks: &Marks) {
-        let (brick, local) = lattice::split(coordinate);
-        marks.set(self.lattice.brick_index(brick), local);
+    pub(super) fn mark(&self, address: Address, marks: &Marks) {
+        let (brick, local) = lattice::split(address.coordinate);
+        marks.set(address.level, self.level(address.level).lattice.brick_index(brick), local);
     }
 
     /// No marks yet.
     pub(super) fn marks(&self) -> Marks {
-        Marks::new(self.lattice.brick_count())
+        Marks::new(self.levels.iter().map(|level| level.lattice.brick_count()))
     }
 
     /// A reader for one thread.
@@ -100,17 +108,48 @@ impl Points {
         Reader::new(scene, self, sight)
     }
 
+    /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
+    pub(crate) fn cell(&self, vertex: &Vertex) -> (u32, Coordinate) {
+        let mut at = 0;
+        loop {
+            let level = self.level(at);
+            let stencil = trilinear(&level.lattice, vertex);
+            let refined = level.refined(stencil.cell) & stencil.read;
+            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || at + 1 == self.level_count() {
+                return (at, stencil.cell);
+            }
+            at += 1;
+        }
+    }
+
+    /// Lets the next level take over in a cell. There must be one.
+    pub(crate) fn refine(&mut self, level: u32, cell: Coordinate) {
+        self.levels[level as usize].refine(cell);
+    }
+
+    /// Takes all refinement back; points that are filled stay so.
+    pub(crate) fn coarsen(&mut self) {
+        self.levels.iter_mut().for_each(Level::coarsen);
+    }
+
     /// The marked points in brick order; clears the marks.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if they, at `bytes_per_point` for what the field keeps of each, would not fit into `limit`
     /// bytes; nothing has been allocated.
-    pub(super) fn take(&self, marks: &mut Marks, bytes_per_point: u64, limit: u64) -> Result<Vec<Coordinate>, Error> {
-        let (wanted, new_bricks) = marks.take(&self.bricks);
+    pub(super) fn take(&self, marks: &mut Marks, bytes_per_point: u64, limit: u64) -> Result<Vec<Address>, Error> {
+        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
+        for (level, marks) in (0..).zip(marks.levels()) {
+            let Level { lattice, bricks, .. } = self.level(level);
+            let (places, new) = marks.take(bricks);
+            let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
+            wanted.extend(places.into_iter().map(address));
+            new_bricks += new;
+        }
         let points = (self.len() + wanted.len()) as u64;
         // A growing vector may hold twice its contents for a moment.
         let bytes = 2 * (bytes_per_point + Self::BYTES_PER_POINT);
-        let needed = self.bricks.bytes() + new_bricks * Bricks::BYTES_PER_BRICK + points.saturating_mul(bytes);
+        let needed = self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK + points.saturating_mul(bytes);
         if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
             return Err(Error::OutOfMemory {
                 what: "the light mesh",
@@ -119,36 +158,41 @@ impl Points {
                 advice: "choose a larger --spacing or --indirect-spacing",
             });
         }
-        Ok(wanted.into_iter().map(|(brick, local)| self.lattice.coordinate(brick, local)).collect())
+        Ok(wanted)
     }
 
-    const BYTES_PER_POINT: u64 = (size_of::<Coordinate>() + size_of::<Clearance>()) as u64;
+    const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
+
+    fn brick_bytes(&self) -> u64 {
+        self.levels.iter().map(|level| level.bricks.bytes()).sum()
+    }
 
     /// Stores a point; a valid one gets the next index.
-    pub(super) fn insert(&mut self, (coordinate, clearance): Probed) {
+    pub(super) fn insert(&mut self, (address, clearance): Probed) {
         let slot = match clearance {
             Some(clearance) => {
-                self.coordinates.push(coordinate);
+                self.addresses.push(address);
                 self.clearances.push(clearance);
-                Slot::Filled(self.coordinates.len() as u32 - 1)
+                Slot::Filled(self.addresses.len() as u32 - 1)
             }
             None => {
-                self.invalid.push(coordinate);
+                self.invalid.push(address);
                 Slot::Invalid
             }
         };
-        let (brick, local) = lattice::split(coordinate);
-        self.bricks.set(self.lattice.brick_index(brick), local, slot);
+        self.levels[address.level as usize].set(address.coordinate, slot);
     }
 
     /// Points so far, and the memory of them and of `value_bytes` of values.
     pub(super) fn stats(&self, value_bytes: u64) -> MeshStats {
+        let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > 0).count();
         MeshStats {
-            spacing_m: f64::from(self.lattice.spacing()),
+            spacing_m: f64::from(self.spacing()),
             points_used: (self.len() + self.invalid.len()) as u64,
-            points_total: self.lattice.point_count(),
+            points_refined: refined as u64,
+            points_total: self.levels[0].lattice.point_count(),
             points_invalid: self.invalid.len() as u64,
-            bytes: self.bricks.bytes() + self.len() as u64 * Self::BYTES_PER_POINT + value_bytes,
+            bytes: self.brick_bytes() + self.len() as u64 * Self::BYTES_PER_POINT + value_bytes,
         }
     }
 }

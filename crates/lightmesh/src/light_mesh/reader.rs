@@ -5,9 +5,12 @@ use glam::{UVec3, Vec3, Vec4};
 use super::Coordinate;
 use super::bricks::Slot;
 use super::clearance::{self, Clearance, Links, blocked, enclosed, links, piece, room};
+use super::level::Level;
 use super::marks::Marks;
-use super::neighbourhood::{ByCorner, Neighbourhood, Stencil, bits, corner, nearest, sphere, trilinear};
-use super::points::Points;
+use super::neighbourhood::{
+    ByCorner, Neighbourhood, ONES, Stencil, bits, corner, nearest, sphere, trilinear,
+};
+use super::points::{Address, Points};
 use super::probe::sees;
 use crate::geometry::Ray;
 use crate::integrator::{Vertex, hash, seed_of_place};
@@ -18,8 +21,13 @@ use crate::scene::Scene;
 pub(crate) struct Reader<'a> {
     scene: &'a Scene,
     points: &'a Points,
+    /// Which level this reads.
+    at: u32,
+    level: &'a Level,
     cell: Coordinate,
     slots: [Slot; 8],
+    /// Which corners the next level takes over, a bit each; no longer where only the sum counts, as points must not depend on it.
+    refined: u8,
     /// Which of the slots are filled and which are empty, a bit each, and which of those have been marked.
     filled: u8,
     empty: u8,
@@ -40,6 +48,8 @@ pub(crate) struct Reader<'a> {
     sight: Sight,
     visits: u64,
     sight_rays: u64,
+    /// Reads the next level.
+    finer: Option<Box<Self>>,
 }
 
 /// How a vertex finds out which corners it sees, where its cell is divided.
@@ -66,12 +76,20 @@ pub(crate) enum Outcome {
 /// Corners that a vertex sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
-    /// A bit each; not 0.
+    /// A bit each; 0 only where the next level takes over.
     pub mask: u8,
     /// φ4 by corner; 0 for the others.
     pub weights: ByCorner,
     /// The corners that it wanted to read but cannot: they are inside solids or hidden from it.
     pub missing: u8,
+    /// φ4 of the corners that the next level takes over, together.
+    pub refined: f32,
+}
+
+impl Seen {
+    fn nothing(refined: f32) -> Self {
+        Self { mask: 0, weights: [Vec4::ZERO; 2], missing: 0, refined }
+    }
 }
 
 /// Which corners a field's reader knows the light of: for one normal, as long as the cell stays.
@@ -108,28 +126,25 @@ impl Known {
     }
 }
 
-/// 1 for each bit that is set.
-const ONES: [Vec4; 16] = {
-    let mut ones = [Vec4::ZERO; 16];
-    let mut i = 0;
-    while i < 16 {
-        ones[i] = Vec4::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32, (i >> 3 & 1) as f32);
-        i += 1;
-    }
-    ones
-};
-
 /// Usable corners with less than this part of the weight are looked at one by one. Empirical: a half catches both sides of a gap
 /// between a box and a wall (a test's furnace); looking always is the same there and shoots more rays.
 const REMNANT: f32 = 0.5;
 
 impl<'a> Reader<'a> {
     pub(super) fn new(scene: &'a Scene, points: &'a Points, sight: Sight) -> Self {
+        Self::of_level(scene, points, 0, sight)
+    }
+
+    /// Reads a level, where the level before lets it.
+    pub(super) fn of_level(scene: &'a Scene, points: &'a Points, at: u32, sight: Sight) -> Self {
         Self {
             scene,
             points,
+            at,
+            level: points.level(at),
             cell: UVec3::MAX,
             slots: [Slot::Empty; 8],
+            refined: 0,
             filled: 0,
             empty: 0,
             marked: 0,
@@ -145,6 +160,7 @@ impl<'a> Reader<'a> {
             sight,
             visits: 0,
             sight_rays: 0,
+            finer: None,
         }
     }
 
@@ -156,7 +172,7 @@ impl<'a> Reader<'a> {
 
     /// Rays shot so far to find out which points vertices see.
     pub(crate) fn sight_rays(&self) -> u64 {
-        self.sight_rays
+        self.sight_rays + self.finer.as_ref().map_or(0, |finer| finer.sight_rays())
     }
 
     /// Hands out (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
@@ -169,7 +185,7 @@ impl<'a> Reader<'a> {
         }
         let (mut any, mut empty) = (false, false);
         let visit = |coordinate: Coordinate| {
-            let slot = points.slot(coordinate);
+            let slot = self.level.slot(coordinate);
             match slot {
                 Slot::Filled(index) => {
                     any = true;
@@ -177,15 +193,15 @@ impl<'a> Reader<'a> {
                 }
                 Slot::Invalid => {}
                 Slot::Empty => {
-                    points.mark(coordinate, marks);
+                    points.mark(Address { level: self.at, coordinate }, marks);
                     empty = true;
                 }
             }
             slot
         };
         match points.neighbourhood {
-            Neighbourhood::Sphere { radius } => sphere(&points.lattice, vertex, radius, visit),
-            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&points.lattice, vertex, visit),
+            Neighbourhood::Sphere { radius } => sphere(&self.level.lattice, vertex, radius, visit),
+            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&self.level.lattice, vertex, visit),
         }
         match (empty, any) {
             (true, _) => Outcome::Empty,
@@ -201,35 +217,68 @@ impl<'a> Reader<'a> {
             Ok(seen) => seen,
             Err(outcome) => return outcome,
         };
+        if seen.refined > 0.0 {
+            return self.blend(&seen, 1.0, vertex, marks, &mut take);
+        }
         for k in bits(seen.mask) {
             take(self.index(k), seen.weights[k / 4][k % 4]);
         }
         Outcome::Read
     }
 
+    /// Hands out what is seen on this level and on the finer ones that take over from it (see [`Level`]); their weights
+    /// have the sum `share`.
+    #[cold]
+    fn blend(
+        &mut self,
+        seen: &Seen,
+        share: f32,
+        vertex: &Vertex,
+        marks: &Marks,
+        take: &mut dyn FnMut(u32, f32),
+    ) -> Outcome {
+        let own: f32 = seen.weights.iter().map(|w| w.element_sum()).sum();
+        let scale = share / (own + seen.refined);
+        for k in bits(seen.mask) {
+            take(self.index(k), scale * seen.weights[k / 4][k % 4]);
+        }
+        if seen.refined == 0.0 {
+            return Outcome::Read;
+        }
+        let (scene, points, next, sight) = (self.scene, self.points, self.at + 1, self.sight);
+        let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, sight)));
+        match finer.corners(vertex, marks) {
+            Ok(finest) => finer.blend(&finest, scale * seen.refined, vertex, marks, take),
+            Err(Outcome::Nothing) if seen.mask != 0 => Outcome::Read,
+            Err(outcome) => outcome,
+        }
+    }
+
     /// The corners of the vertex' cell that it sees; otherwise what became of the read. Which cell it is, [`Self::visits`] tells.
     #[inline(always)]
     pub(super) fn corners(&mut self, vertex: &Vertex, marks: &Marks) -> Result<Seen, Outcome> {
-        let stencil = trilinear(&self.points.lattice, vertex);
+        let stencil = trilinear(&self.level.lattice, vertex);
         if stencil.cell != self.cell {
             self.enter(stencil.cell);
         }
-        let empty = stencil.read & self.empty;
+        let read = stencil.read & !self.refined;
+        let refined = stencil.sum(stencil.read & self.refined);
+        let empty = read & self.empty;
         if empty != 0 {
             for k in bits(empty & !self.marked) {
-                self.points.mark(corner(self.cell, k), marks);
+                self.points.mark(Address { level: self.at, coordinate: corner(self.cell, k) }, marks);
             }
             self.marked |= empty;
             return Err(Outcome::Empty);
         }
-        let usable = stencil.read & self.filled;
+        let usable = read & self.filled;
         if usable == 0 {
-            return Err(Outcome::Nothing);
+            return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
-        let parted = if self.is_remnant(&stencil, usable) {
+        let parted = if is_remnant(&stencil, read, usable) {
             usable
         } else if self.is_clear(vertex, &stencil) {
             self.enclosed & usable
@@ -238,25 +287,11 @@ impl<'a> Reader<'a> {
         };
         let mask = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
         if mask == 0 {
-            return Err(Outcome::Nothing);
+            return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
         let [lower, upper] = stencil.weights;
         let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
-        Ok(Seen { mask, weights, missing: stencil.read & !mask })
-    }
-
-    /// Whether the usable corners are but the lesser part of what the vertex wants to read, the rest being inside solids. What
-    /// lies across the edge of a wall or a solid then may be hidden though no wall crosses an edge of the cell.
-    #[inline(always)]
-    fn is_remnant(&self, stencil: &Stencil, usable: u8) -> bool {
-        if stencil.read == usable {
-            return false;
-        }
-        let weight = |mask: u8| {
-            let [lower, upper] = stencil.weights;
-            lower.dot(ONES[mask as usize & 15]) + upper.dot(ONES[mask as usize >> 4])
-        };
-        weight(usable) < REMNANT * weight(stencil.read)
+        Ok(Seen { mask, weights, missing: read & !mask, refined })
     }
 
     /// How many cells have been entered: as long as it stays, the corners are the same points.
@@ -267,7 +302,7 @@ impl<'a> Reader<'a> {
 
     /// The mean direction, not of unit length, from a vertex to some corners of its cell.
     pub(super) fn towards(&self, vertex: &Vertex, corners: u8) -> Vec3 {
-        let lattice = &self.points.lattice;
+        let lattice = &self.level.lattice;
         bits(corners).map(|k| lattice.point(corner(self.cell, k)) - vertex.position).sum()
     }
 
@@ -300,7 +335,7 @@ impl<'a> Reader<'a> {
     /// The corners that may have something between them and the vertex.
     #[inline(never)]
     fn parted(&mut self, vertex: &Vertex, stencil: &Stencil) -> u8 {
-        let lattice = &self.points.lattice;
+        let lattice = &self.level.lattice;
         let place = (vertex.position - lattice.point(self.cell)) * lattice.inv_spacing();
         let mut parted = self.enclosed;
         for axis in 0..3 {
@@ -377,7 +412,7 @@ impl<'a> Reader<'a> {
     /// Whether nothing stands between the vertex and corner k.
     fn sees(&mut self, vertex: &Vertex, k: usize) -> bool {
         self.sight_rays += 1;
-        let point = self.points.lattice.point(corner(self.cell, k));
+        let point = self.level.lattice.point(corner(self.cell, k));
         sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
     }
 
@@ -385,7 +420,9 @@ impl<'a> Reader<'a> {
     fn enter(&mut self, cell: Coordinate) {
         self.cell = cell;
         self.visits += 1;
-        self.slots = self.points.slots(cell);
+        self.slots = self.level.slots(cell);
+        let last = self.at + 1 == self.points.level_count();
+        self.refined = if last || self.sight == Sight::One { 0 } else { self.level.refined(cell) };
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
@@ -401,6 +438,13 @@ impl<'a> Reader<'a> {
         self.whole = (0, true);
         self.plane.0 = Vec3::ZERO;
     }
+}
+
+/// Whether the usable corners are but the lesser part of what the vertex wants to read, the rest being inside solids. What
+/// lies across the edge of a wall or a solid then may be hidden though no wall crosses an edge of the cell.
+#[inline(always)]
+fn is_remnant(stencil: &Stencil, read: u8, usable: u8) -> bool {
+    read != usable && stencil.sum(usable) < REMNANT * stencil.sum(read)
 }
 
 /// One of the weighted things, of which there is at least one, in proportion to their weights.

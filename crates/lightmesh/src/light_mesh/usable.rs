@@ -2,7 +2,7 @@
 
 use super::bricks::Slot;
 use super::marks::Marks;
-use super::neighbourhood::{Neighbourhood, bits, nearest, sphere, trilinear};
+use super::neighbourhood::{Neighbourhood, nearest, sphere, trilinear};
 use super::points::Points;
 use super::reader::Reader;
 use crate::integrator::Vertex;
@@ -18,19 +18,19 @@ pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Ver
     };
     match points.neighbourhood {
         Neighbourhood::Trilinear => {
-            let stencil = trilinear(&points.lattice, vertex);
+            let stencil = trilinear(&points.level(0).lattice, vertex);
             if let Ok(seen) = reader.corners(vertex, marks) {
-                asked = bits(stencil.read).map(|k| stencil.weight(k)).sum();
-                usable = bits(seen.mask).map(|k| stencil.weight(k)).sum();
+                asked = stencil.sum(stencil.read);
+                usable = stencil.sum(seen.mask) + seen.refined;
             }
         }
         Neighbourhood::Sphere { radius } => {
             let mut visit = visit;
-            sphere(&points.lattice, vertex, radius, |coordinate| visit(points.slot(coordinate)));
+            sphere(&points.level(0).lattice, vertex, radius, |coordinate| visit(points.level(0).slot(coordinate)));
         }
         Neighbourhood::Nearest => {
             let mut visit = visit;
-            nearest(&points.lattice, vertex, |coordinate| visit(points.slot(coordinate)));
+            nearest(&points.level(0).lattice, vertex, |coordinate| visit(points.level(0).slot(coordinate)));
         }
     }
     if asked > 0.0 { usable / asked } else { 0.0 }

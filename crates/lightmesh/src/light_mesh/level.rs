@@ -1,0 +1,82 @@
+//! One level of a mesh: a lattice, which of its points are known, and where the next level takes over.
+//!
+//! Level l has half the spacing of level l − 1. A point that is *refined* gives up its part of the interpolation: with trilinear
+//! weights w_k over the corners k of a cell,
+//!
+//! > E(y) = Σ_{k not refined} w_k E_k + (Σ_{k refined} w_k) E'(y),
+//!
+//! where E' is what the next level says at y, by the same rule. Weights are continuous and go to 0 where a corner leaves the cell, so
+//! there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a cell whose
+//! corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point needs no value.
+
+use std::collections::HashMap;
+
+use super::Coordinate;
+use super::bricks::{Bricks, Slot};
+use super::lattice::{self, Lattice};
+use super::neighbourhood::corner;
+
+/// A lattice and what is known of its points.
+#[derive(Debug)]
+pub(super) struct Level {
+    pub(super) lattice: Lattice,
+    pub(super) bricks: Bricks,
+    /// By brick, a bit per refined point.
+    refined: HashMap<usize, [u64; 8]>,
+}
+
+impl Level {
+    pub(super) fn new(lattice: Lattice) -> Self {
+        let bricks = Bricks::new(lattice.bricks());
+        Self { lattice, bricks, refined: HashMap::new() }
+    }
+
+    #[inline(always)]
+    pub(super) fn slot(&self, coordinate: Coordinate) -> Slot {
+        let (brick, local) = lattice::split(coordinate);
+        self.bricks.slot(self.lattice.brick_index(brick), local)
+    }
+
+    /// The slots of a cell's eight corners.
+    #[inline(always)]
+    pub(super) fn slots(&self, cell: Coordinate) -> [Slot; 8] {
+        let (brick, local) = lattice::split(cell);
+        if (cell & 7).max_element() < 7 {
+            // All in one brick.
+            let slots = self.bricks.brick(self.lattice.brick_index(brick));
+            return std::array::from_fn(|k| slots.at(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
+        }
+        std::array::from_fn(|k| self.slot(corner(cell, k)))
+    }
+
+    pub(super) fn set(&mut self, coordinate: Coordinate, slot: Slot) {
+        let (brick, local) = lattice::split(coordinate);
+        self.bricks.set(self.lattice.brick_index(brick), local, slot);
+    }
+
+    /// Refines all corners of a cell.
+    pub(super) fn refine(&mut self, cell: Coordinate) {
+        for k in 0..8 {
+            let (brick, local) = lattice::split(corner(cell, k));
+            self.refined.entry(self.lattice.brick_index(brick)).or_default()[local / 64] |= 1 << (local % 64);
+        }
+    }
+
+    /// Refines nothing any more.
+    pub(super) fn coarsen(&mut self) {
+        self.refined.clear();
+    }
+
+    /// Which corners of a cell are refined, a bit each.
+    #[inline(always)]
+    pub(super) fn refined(&self, cell: Coordinate) -> u8 {
+        if self.refined.is_empty() {
+            return 0;
+        }
+        let is_refined = |k: usize| {
+            let (brick, local) = lattice::split(corner(cell, k));
+            self.refined.get(&self.lattice.brick_index(brick)).is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
+        };
+        (0..8).map(|k| u8::from(is_refined(k)) << k).sum()
+    }
+}
