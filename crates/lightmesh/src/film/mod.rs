@@ -88,14 +88,14 @@ impl Film {
         self.begin_pass(0..self.offsets.len() as u32);
     }
 
-    /// An empty film on which all samples of some pixels are one pass; without layers.
-    pub(crate) fn of_pixels(&self, pixels: Vec<u32>) -> Self {
+    /// An empty film on which the first `spp` samples of some pixels are one pass; without layers.
+    pub(crate) fn of_pixels(&self, pixels: Vec<u32>, spp: u32) -> Self {
         Self {
             rays: self.rays,
             order: self.order,
             seed: self.seed,
             offsets: self.offsets.clone(),
-            pass: Pass { pixels: Some(pixels), indices: 0..self.offsets.len() as u32, done: 0 },
+            pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0 },
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
@@ -110,13 +110,18 @@ impl Film {
         pixels.iter().map(|&pixel| self.sums[pixel as usize]).collect()
     }
 
-    /// The pixels with these numbers, ascending, in the order in which they are sampled.
-    pub(crate) fn pixels_in_order(&self, numbers: impl Iterator<Item = u64>) -> Vec<u32> {
-        let pixel = |n| {
-            let (x, y) = self.order.place(n);
+    /// Some pixels, one somewhere in each of `count` equal parts of the picture, in the order in which they are sampled; other sets
+    /// are other pixels.
+    pub(crate) fn draw(&self, seed: u64, set: u32, count: u64) -> Vec<u32> {
+        let all = self.pixel_count();
+        let count = count.min(all);
+        let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ hash(set.wrapping_add(0x51ed)));
+        let pixel = |i: u64| {
+            let (from, to) = (i * all / count, (i + 1) * all / count);
+            let (x, y) = self.order.place(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
             y * self.order.width + x
         };
-        numbers.map(pixel).collect()
+        (0..count).map(pixel).collect()
     }
 
     /// Samples of the pass.

@@ -16,7 +16,6 @@ use glam::Vec3;
 
 use super::by_light::{Care, Trust};
 use super::plan::{Indirect, Plan, Shading};
-use super::sampling::hash;
 use super::watch::Watch;
 use super::wave::WaveFrame;
 use crate::film::Film;
@@ -41,6 +40,9 @@ const CARES: [(f32, f32); 6] = [(4.0, 16.0), (2.0, 10.0), (1.0, 6.0), (0.4, 4.0)
 
 /// Much is never more than this part of the light.
 const MOST: f32 = 0.8;
+
+/// Samples of a pixel that are looked at, at most: where there are more, the error of the picture is less than the estimate.
+const MOST_SAMPLES: u32 = 16;
 
 /// What a check has found.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +118,8 @@ impl Truth {
         watch: &mut Watch<'_>,
         stats: &mut RenderStats,
     ) -> Result<Self, Error> {
-        let pixels = draw(film, frame.options.seed, set);
+        let count = (film.pixel_count() / PIXELS_PER_CHECK).clamp(*CHECKS.start(), *CHECKS.end());
+        let pixels = film.draw(frame.options.seed, set, count);
         let plan = frame.plan;
         frame.plan = Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed: 1 }, ..plan };
         let (first, rays) = light(frame, film, &pixels, watch, stats)?;
@@ -157,23 +160,11 @@ fn light(
     watch: &mut Watch<'_>,
     stats: &mut RenderStats,
 ) -> Result<(Vec<Vec3>, f64), Error> {
-    let mut film = film.of_pixels(pixels.to_vec());
+    let mut film = film.of_pixels(pixels.to_vec(), frame.options.spp.min(MOST_SAMPLES));
     let reporter = Reporter::new(watch.progress, Stage::Check, film.sample_count());
     let before = (stats.rays.shadow, stats.rays.primary);
     let fill_before = stats.fill_shadow_rays;
     frame.render_pass(&mut film, watch, &reporter, stats)?;
     let rays = (stats.rays.shadow - before.0) - (stats.fill_shadow_rays - fill_before);
     Ok((film.sums_of(pixels), rays as f64 / (stats.rays.primary - before.1).max(1) as f64))
-}
-
-/// A set of pixels, one somewhere in each of equal parts of the picture, in the order in which they are sampled.
-fn draw(film: &Film, seed: u64, set: u32) -> Vec<u32> {
-    let all = film.pixel_count();
-    let count = (all / PIXELS_PER_CHECK).clamp(*CHECKS.start(), *CHECKS.end()).min(all);
-    let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ hash(set.wrapping_add(0x51ed)));
-    let place = |i: u64| {
-        let (from, to) = (i * all / count, (i + 1) * all / count);
-        from + u64::from(hash(seed ^ hash(i as u32))) % (to - from)
-    };
-    film.pixels_in_order((0..count).map(place))
 }

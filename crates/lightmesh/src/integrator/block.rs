@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::first_hits::FirstHits;
 use super::lit::LitVertices;
+use super::refine::LitHit;
 use super::surface::{Surface, Vertex, evaluate};
 use crate::bvh::Hit;
 use crate::film::{Film, Sample};
@@ -68,6 +69,15 @@ impl Block {
         let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
         let rays = self.input.len() as u64;
         reporter.add(if from_camera { rays } else { 0 }, rays + self.lit.rays());
+    }
+
+    /// The vertices with their light.
+    pub(super) fn lit_hits(&self) -> impl Iterator<Item = LitHit> {
+        let direct = self.lit.vertices.iter().zip(&self.lit.direct);
+        direct.enumerate().map(|(i, (&vertex, &direct))| {
+            let indirect = self.indirect.get(i).copied().unwrap_or_default();
+            LitHit { vertex, direct, indirect }
+        })
     }
 
     pub(super) fn add_to(&self, film: &mut Film) {

@@ -13,6 +13,7 @@ mod passes;
 mod plan;
 mod path;
 mod place;
+mod refine;
 mod sampling;
 mod surface;
 mod visibility;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::accuracy::choose_plan;
 use super::block::{BLOCK, Block, WaveRay};
 use super::lit::{DirectLighting, LitVertices};
+use super::refine::{LitHit, refine};
 use super::plan::{Indirect, Plan};
 use super::passes::{SumOrder, take_samples};
 use super::surface::Vertex;
@@ -35,10 +36,12 @@ pub(crate) enum Lighting<'a> {
 pub(super) struct WaveFrame<'a> {
     pub(super) scene: &'a Scene,
     pub(super) options: &'a RenderOptions,
-    lighting: Lighting<'a>,
+    pub(super) lighting: Lighting<'a>,
     marks: Option<LightMarks>,
     blocks: Vec<Block>,
     pub(super) plan: Plan,
+    /// Hits and their light, where somebody asks.
+    pub(super) lit_hits: Option<Vec<LitHit>>,
 }
 
 /// Renders the picture with exact or mesh light.
@@ -54,8 +57,12 @@ pub(crate) fn render_waves(
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
     let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-    let mut frame = WaveFrame { scene, options, lighting, marks, blocks, plan: Plan::of(options) };
+    let mut frame = WaveFrame { scene, options, lighting, marks, blocks, plan: Plan::of(options), lit_hits: None };
     let mut stats = RenderStats::default();
+    if let Lighting::Mesh(mesh) = &mut frame.lighting {
+        mesh.coarsen();
+    }
+    refine(&mut frame, film, watch, &mut stats)?;
     if let Some(bound) = options.error {
         stats.estimated_error = Some(choose_plan(&mut frame, film, bound, watch, &mut stats)?);
     }
@@ -142,6 +149,9 @@ impl WaveFrame<'_> {
         light((self.scene, self.options, self.plan), blocks, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
         let started = Instant::now();
         for block in blocks {
+            if let Some(hits) = &mut self.lit_hits {
+                hits.extend(block.lit_hits());
+            }
             block.add_to(film);
             queue.append(&mut block.next);
             block.lit.take_counts(stats);

@@ -117,7 +117,7 @@ impl DirectField {
         self.points.marks()
     }
 
-    pub(super) fn stats(&self) -> MeshStats {
+    pub(crate) fn stats(&self) -> MeshStats {
         let bits = self.bits.as_ref().map_or(0, LightBits::bytes);
         self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64)
     }

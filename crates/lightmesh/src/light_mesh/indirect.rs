@@ -98,7 +98,7 @@ impl IndirectField {
         &self.points
     }
 
-    pub(super) fn stats(&self) -> MeshStats {
+    pub(crate) fn stats(&self) -> MeshStats {
         let values: usize = self.levels.iter().map(|level| size_of_val(level.as_slice())).sum();
         self.points.stats(values as u64)
     }

@@ -33,6 +33,7 @@ pub(crate) use direct::{DirectField, LightsReading, Reading};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
 pub(crate) use marks::Marks;
+pub(crate) use points::Points;
 use neighbourhood::Neighbourhood;
 pub(crate) use reader::Sight;
 
@@ -108,6 +109,14 @@ impl LightMesh {
     /// The same for the indirect mesh; all 0 where there is none.
     pub fn indirect_stats(&self) -> MeshStats {
         self.indirect.as_ref().map_or(MeshStats::default(), IndirectField::stats)
+    }
+
+    /// Takes all refinement back; points that are filled stay so.
+    pub(crate) fn coarsen(&mut self) {
+        self.direct.points_mut().coarsen();
+        if let Some(field) = &mut self.indirect {
+            field.points_mut().coarsen();
+        }
     }
 
     /// Empty marks for both meshes.

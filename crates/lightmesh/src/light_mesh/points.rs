@@ -127,6 +127,11 @@ impl Points {
         self.levels[level as usize].refine(cell);
     }
 
+    /// Memory of a point without its values, while the list of them grows.
+    pub(crate) fn bytes_per_point(&self) -> u64 {
+        2 * Self::BYTES_PER_POINT
+    }
+
     /// Takes all refinement back; points that are filled stay so.
     pub(crate) fn coarsen(&mut self) {
         self.levels.iter_mut().for_each(Level::coarsen);
