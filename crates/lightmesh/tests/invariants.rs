@@ -8,7 +8,8 @@ use std::sync::Mutex;
 use glam::Vec3;
 use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, Stage, render};
 
-const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
+const METHODS: [Method; 6] =
+    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
 
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool").install(work)

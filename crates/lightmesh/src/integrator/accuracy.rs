@@ -3,8 +3,8 @@
 //!
 //! Two sets of pixels are drawn, each spread over the picture. On the first, the *pilot*, all samples of each pixel are lit
 //! exactly, and then by one plan after the other, from the cheapest to the most careful, until one of them is within the bound; on
-//! the second, which had no part in the choice, that plan's error is measured, and that is the estimate which is reported.
-//! If it is beyond the bound after all, the next plan is tried. A pixel comes out of the picture as it does here: what is
+//! the second, which had no part in the choice, that plan must be within it too. If it is not, the next plan is tried. The
+//! estimate which is reported is the error on both sets. A pixel comes out of the picture as it does here: what is
 //! lit is seeded by its place.
 //!
 //! The truth of direct light is a shadow ray to every light. That of indirect light is gathered at each hit with rays of its
@@ -25,7 +25,7 @@ use crate::{Error, RenderStats, Stage};
 /// Pixels in each set: one in so many, within limits. A set of n pixels knows the mean square error to about √(k / n) of itself with k the
 /// kurtosis of errors; that is some hundred where few pixels are wrong, which makes a tenth of the error with 4096.
 const PIXELS_PER_CHECK: u64 = 48;
-const CHECKS: std::ops::RangeInclusive<u64> = 1024..=8192;
+const CHECKS: std::ops::RangeInclusive<u64> = 2048..=8192;
 
 /// The part of the bound that a plan must keep to on the pilot, so that it keeps the bound on the other set too. Empirical.
 const MARGIN: f64 = 0.85;
@@ -96,9 +96,10 @@ pub(super) fn choose_plan(
             check = Some(Truth::find(frame, film, 1, watch, stats)?);
         }
         if let Some(check) = &check {
-            let found = check.compare(frame, film, watch, stats)?;
-            if found.error <= bound {
-                return Ok(found.error);
+            let held_out = check.compare(frame, film, watch, stats)?;
+            let error = (0.5 * (found.error.powi(2) + held_out.error.powi(2))).sqrt();
+            if error <= bound && held_out.error <= bound {
+                return Ok(error);
             }
         }
     }

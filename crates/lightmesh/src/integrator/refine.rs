@@ -87,12 +87,12 @@ pub(super) fn refine(
         let most = bound * bound * pixels.len() as f64;
         let mut refined = 0;
         if matches!(plan.seen, Shading::MeanVisibility | Shading::ByLight(_)) {
-            let bytes = mesh.direct.stats().bytes;
-            refined += refine_worst(mesh.direct.points_mut(), &errors(|hit| hit.direct), most, budget.saturating_sub(bytes));
+            let fit = budget.saturating_sub(mesh.direct.stats().bytes) / (POINTS_PER_CELL * mesh.direct.bytes_per_point());
+            refined += refine_worst(mesh.direct.points_mut(), &errors(|hit| hit.direct), most, fit);
         }
         if let Some(field) = &mut mesh.indirect {
-            let bytes = field.stats().bytes;
-            refined += refine_worst(field.points_mut(), &errors(|hit| hit.indirect), most, budget.saturating_sub(bytes));
+            let fit = budget.saturating_sub(field.stats().bytes) / (POINTS_PER_CELL * field.bytes_per_point());
+            refined += refine_worst(field.points_mut(), &errors(|hit| hit.indirect), most, fit);
         }
         if refined == 0 {
             break;
@@ -102,9 +102,9 @@ pub(super) fn refine(
     Ok(())
 }
 
-/// Refines the cells with the largest sums of squared errors, until the sum of the others is at most `most` or the points would not
-/// fit into `budget` bytes; how many these are.
-fn refine_worst(points: &mut Points, errors: &[(Vertex, f64)], most: f64, budget: u64) -> usize {
+/// Refines the cells with the largest sums of squared errors, until the sum of the others is at most `most`, `fit` cells at most; how
+/// many these are.
+fn refine_worst(points: &mut Points, errors: &[(Vertex, f64)], most: f64, fit: u64) -> usize {
     let mut cells: BTreeMap<(u32, [u32; 3]), f64> = BTreeMap::new();
     for (vertex, square) in errors {
         let (level, cell) = points.cell(vertex);
@@ -114,7 +114,6 @@ fn refine_worst(points: &mut Points, errors: &[(Vertex, f64)], most: f64, budget
     let mut worst: Vec<_> = cells.into_iter().filter(|((level, _), _)| level + 1 < points.level_count()).collect();
     // Stable: equal cells keep their order.
     worst.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let fit = budget / (POINTS_PER_CELL * points.bytes_per_point());
     let mut refined = 0;
     for ((level, cell), error) in worst {
         if rest <= most || error <= 0.0 || refined as u64 >= fit {

@@ -10,7 +10,7 @@ use super::direct::Axes;
 use super::gather::{Gather, seed_of_point, sphere_directions};
 use super::indirect::{IndirectField, Sides};
 use super::marks::Marks;
-use super::points::Address;
+use super::points::{Address, Points};
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Outcome, Sight, choose};
 use crate::integrator::{DirectLighting, seed_of_place};
@@ -90,7 +90,7 @@ impl IndirectField {
 
     /// Finds out which of the marked points are inside solids, and gives the others their index.
     fn probe(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
-        let wanted = self.points.take(marks, self.bytes_per_point(), self.max_memory)?;
+        let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
         let (points, scene) = (&self.points, direct.scene);
         let probed: Vec<_> = match self.sides {
             Sides::Six => {
@@ -108,8 +108,13 @@ impl IndirectField {
         Ok(())
     }
 
+    /// Memory of a point.
+    pub(crate) fn bytes_per_point(&self) -> u64 {
+        self.value_bytes() + Points::BYTES_PER_POINT
+    }
+
     /// Memory of a point's levels and of its transfers while it is being filled.
-    fn bytes_per_point(&self) -> u64 {
+    fn value_bytes(&self) -> u64 {
         let levels = self.levels.len() * self.sides.count() * size_of::<Vec4>();
         let transfers = if self.links() { self.gather_rays as usize * size_of::<Transfer>() } else { 0 };
         (levels + transfers) as u64

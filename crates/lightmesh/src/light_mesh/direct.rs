@@ -122,6 +122,16 @@ impl DirectField {
         self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64)
     }
 
+    /// Memory of a point's values.
+    fn value_bytes(&self) -> u64 {
+        (self.field.stride() * size_of::<Vec4>()) as u64 + self.bits.as_ref().map_or(0, LightBits::bytes_per_point)
+    }
+
+    /// Memory of a point.
+    pub(crate) fn bytes_per_point(&self) -> u64 {
+        self.value_bytes() + Points::BYTES_PER_POINT
+    }
+
     /// Its points, to be refined.
     pub(crate) fn points_mut(&mut self) -> &mut Points {
         &mut self.points
@@ -174,9 +184,7 @@ impl DirectField {
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
         let stride = self.field.stride();
-        let bits_per_point = self.bits.as_ref().map_or(0, LightBits::bytes_per_point);
-        let bytes_per_point = (stride * size_of::<Vec4>()) as u64 + bits_per_point;
-        let wanted = self.points.take(marks, bytes_per_point, self.max_memory)?;
+        let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
         let (grid, field, constant) = (&self.points, self.field, self.constant);

@@ -127,11 +127,6 @@ impl Points {
         self.levels[level as usize].refine(cell);
     }
 
-    /// Memory of a point without its values, while the list of them grows.
-    pub(crate) fn bytes_per_point(&self) -> u64 {
-        2 * Self::BYTES_PER_POINT
-    }
-
     /// Takes all refinement back; points that are filled stay so.
     pub(crate) fn coarsen(&mut self) {
         self.levels.iter_mut().for_each(Level::coarsen);
@@ -166,7 +161,7 @@ impl Points {
         Ok(wanted)
     }
 
-    const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
+    pub(super) const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
 
     fn brick_bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.bricks.bytes()).sum()
