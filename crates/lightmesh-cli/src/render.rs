@@ -78,6 +78,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         scene: args.scene.display().to_string(),
         settings: settings::json(&options, &args.emitters, args.load_options().units, &camera.name),
         seconds: 0.0,
+        estimated_error: None,
         spp: options.spp,
         camera,
     };
@@ -94,6 +95,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     bar.clear();
     let frame = frame?;
     (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
+    metadata.estimated_error = frame.stats.estimated_error;
     stop_if_interrupted()?;
 
     // Write every file under a temporary name, then give all of them theirs.
@@ -136,6 +138,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         if let Some(limit) = args.time_limit {
             terminal::note(&samples_in_time(limit, &frame.stats));
         }
+        if let Some(error) = options.error {
+            terminal::note(&estimate(error, frame.stats.estimated_error));
+        }
         if let Some(note) = left_out(options.bounces, frame.stats.left_out) {
             terminal::note(&note);
         }
@@ -164,6 +169,19 @@ fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     match stats.time_limit_reached {
         true => format!("{} sample(s) per pixel in the limit of {seconds} s", stats.spp),
         false => format!("all {} sample(s) per pixel, before the limit of {seconds} s", stats.spp),
+    }
+}
+
+/// How far the light is from the truth, as far as that is known.
+fn estimate(bound: f32, estimate: Option<f64>) -> String {
+    match estimate {
+        Some(0.0) => "every light is traced at every hit: the light is exact".into(),
+        Some(error) if error > f64::from(bound) => format!(
+            "the light's error is about {:.1}%, more than was asked for: choose a finer --indirect-spacing or a higher --refine",
+            100.0 * error
+        ),
+        Some(error) => format!("the light's error is about {:.1}%", 100.0 * error),
+        None => "the light's error is not known".into(),
     }
 }
 

@@ -18,6 +18,7 @@ fn picture(place: &Place, name: &str, width: u32, value: f32) {
         scene: "none".into(),
         settings: "{}".into(),
         seconds: 0.0,
+        estimated_error: None,
         spp: 1,
         camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.7),
     };

@@ -79,6 +79,9 @@ fn attributes(image: &Image, metadata: &Metadata) -> LayerAttributes {
         ("samplesPerPixel", AttributeValue::I32(i32::try_from(metadata.spp).unwrap_or(i32::MAX))),
     ];
     attributes.other.extend(own.map(|(name, value)| (text(name), value)));
+    if let Some(error) = metadata.estimated_error {
+        attributes.other.insert(text("estimatedError"), AttributeValue::F64(error));
+    }
     attributes
 }
 

@@ -15,6 +15,8 @@ pub struct Metadata {
     pub settings: String,
     /// Seconds between the built scene and the finished picture.
     pub seconds: f64,
+    /// The error that the light is estimated to have, relative to the picture's mean; `None` where nobody asked.
+    pub estimated_error: Option<f64>,
     /// Samples per pixel.
     pub spp: u32,
     /// The camera that took the picture.

@@ -5,7 +5,7 @@
 //! | values | exposed, tone mapped, sRGB | linear cd/m² |
 //! | bits per channel | 8 | 32-bit float, or 16-bit |
 //! | layers | none | those of the frame, beside the light |
-//! | carries | program, method, scene, settings, exposure | the same, seconds, samples, camera matrices |
+//! | carries | program, method, scene, settings, exposure | the same, seconds, samples, estimated error, camera matrices |
 //!
 //! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a render
 //! took stand in the EXR.
