@@ -6,6 +6,7 @@ mod block;
 mod direct;
 mod first_hits;
 mod lamps;
+mod lights_at;
 mod lit;
 mod path;
 mod place;
@@ -15,6 +16,7 @@ mod visibility;
 mod wave;
 
 pub(crate) use block::MAX_LAYERS;
+pub(crate) use lights_at::LightsAt;
 pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use path::render_path;
 pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere};

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::block::MAX_LAYERS;
 use super::direct::Scratch;
+use super::lights_at::LightsAt;
 use super::first_hits::FirstHits;
 use super::lamps::{LampSampler, power_heuristic};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
@@ -291,7 +292,8 @@ impl PathTracer<'_> {
         if scene.emitters().light_radius > 0.0 {
             sum += self.lamps.balls(scene, falloff, vertex, sampler);
         } else {
-            let (irradiance, rays) = self.scratch.irradiance(scene, &scene.emitters().punctual, falloff, vertex);
+            let lights = LightsAt::every(&scene.emitters().punctual);
+            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
             self.rays.shadow += rays;
             sum += irradiance;
         }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::clearance::Clearance;
 use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
+use super::light_regions::LightRegions;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
@@ -58,6 +59,7 @@ pub(crate) struct DirectField {
     points: Points,
     field: Field,
     values: Vec<Vec4>,
+    lights: LightRegions,
     /// The mean unshadowed field, for [`PaperScale::Constant`].
     constant: f32,
     max_memory: u64,
@@ -75,15 +77,23 @@ pub(crate) enum Reading {
 }
 
 impl DirectField {
-    pub(super) fn new(scene: &Scene, lattice: Lattice, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+    /// # Errors
+    /// [`Error::OutOfMemory`] before anything is allocated.
+    pub(super) fn new(
+        scene: &Scene,
+        lattice: Lattice,
+        neighbourhood: Neighbourhood,
+        options: &RenderOptions,
+    ) -> Result<Self, Error> {
+        let lights = LightRegions::new(scene, options)?;
         let field = Field::of(options);
         let constant = papers_constant(scene, field);
         let points = Points::new(lattice, neighbourhood);
-        Self { points, field, values: Vec::new(), constant, max_memory: options.max_memory }
+        Ok(Self { points, field, values: Vec::new(), lights, constant, max_memory: options.max_memory })
     }
 
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
-        self.field == Field::of(options) && self.points.neighbourhood == neighbourhood
+        self.field == Field::of(options) && self.lights.serves(options) && self.points.neighbourhood == neighbourhood
     }
 
     pub(super) fn marks(&self) -> Marks {
@@ -91,7 +101,17 @@ impl DirectField {
     }
 
     pub(super) fn stats(&self) -> MeshStats {
-        self.points.stats(size_of_val(self.values.as_slice()) as u64)
+        self.points.stats(size_of_val(self.values.as_slice()) as u64 + self.lights.bytes())
+    }
+
+    /// The lights of its scene.
+    pub(crate) fn lights(&self) -> &LightRegions {
+        &self.lights
+    }
+
+    /// [`DirectField::lights`], to ask for what is not known yet.
+    pub(crate) fn lights_mut(&mut self) -> &mut LightRegions {
+        &mut self.lights
     }
 
     /// Its points.
@@ -143,11 +163,11 @@ impl DirectField {
         let wanted = self.points.take(marks, (stride * size_of::<Vec4>()) as u64, self.max_memory)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
-        let (lattice, field, constant) = (&self.points.lattice, self.field, self.constant);
+        let (lattice, field, constant, lights) = (&self.points.lattice, self.field, self.constant, &self.lights);
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
             .map(|chunk| {
-                let mut evaluator = Evaluator::new(scene, field, constant);
+                let mut evaluator = Evaluator::new(scene, lights.at(scene), field, constant);
                 let points: Vec<_> = chunk
                     .iter()
                     .map(|&coordinate| {

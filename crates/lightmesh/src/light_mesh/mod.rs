@@ -15,6 +15,7 @@ mod final_gather;
 mod gather;
 mod indirect;
 mod lattice;
+mod light_regions;
 mod marks;
 mod neighbourhood;
 mod points;
@@ -78,7 +79,7 @@ impl LightMesh {
         let direct = lattice("spacing", options.spacing, Spacing::AUTO)?;
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
-            direct: DirectField::new(scene, direct, neighbourhood, options),
+            direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattice| IndirectField::new(lattice, neighbourhood, options)),
         })
     }
