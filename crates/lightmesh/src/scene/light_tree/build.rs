@@ -59,14 +59,19 @@ impl LightTree {
             luminaires: Vec::with_capacity(2 * leaves.len()),
             orientations: Vec::new(),
             first_oriented: usize::MAX,
+            first_direction: u32::MAX,
             roots: Vec::new(),
             lanes: Vec::new(),
             sums: Vec::new(),
         };
         let mut first = 0;
         for of_kind in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
-            tree.roots.push(tree.nodes.len() as u32);
-            tree.add(of_kind[0].kind(), of_kind, first);
+            let (root, kind) = (tree.nodes.len() as u32, of_kind[0].kind());
+            tree.roots.push(root);
+            if kind == Kind::Direction {
+                tree.first_direction = root;
+            }
+            tree.add(kind, of_kind, first);
             tree.grow(of_kind, first);
             first += of_kind.len();
         }

@@ -7,8 +7,8 @@
 //!   of the error vanishes and the second can be bounded, as in Barnes and Hut's method (Nature 324, 1986).
 //! - Bounds are for boxes of receivers, so that all surface points of a region share a cut, and hold for the mean over all
 //!   normals (`bound.rs`), so that a region needs one cut whatever surfaces are in it.
-//! - A cut is refined until the root of the sum of the *squared* bounds is below the part ε of all light that arrives (`cut.rs`).
-//!   Lightcuts asks for each bound alone to be below ε of it and says nothing of the sum.
+//! - A cut is refined until the sum of the bounds is below the part ε of all light that arrives (`cut.rs`). Lightcuts asks for each bound
+//!   alone to be below ε of it and says nothing of the sum.
 //!
 //! Trees of several kinds, one beside the other: even point lights, patches that shine from one side, from both, spots and ranges,
 //! directions. A node's strength is Σ_i (R + G + B) of its lights: errors are of all channels together.
@@ -36,6 +36,8 @@ pub(crate) struct LightTree {
     /// By node less `first_oriented`: of patches, spots and ranges.
     orientations: Vec<Orientation>,
     first_oriented: usize,
+    /// Nodes from this one on are of directions.
+    first_direction: u32,
     roots: Vec<u32>,
     /// Lanes of the samples, in the order of the leaves, and the sums of their strengths up to and with each.
     lanes: Vec<u32>,

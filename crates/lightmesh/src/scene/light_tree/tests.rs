@@ -154,3 +154,110 @@ proptest! {
         }
     }
 }
+
+/// Lights in the room of 10 × 4 × 8 m about the origin, and a cut for a box of receivers in it.
+fn room(set: Set, dice: &mut Dice) -> Vec<LightSample> {
+    const HALF: Vec3 = Vec3::new(5.0, 2.0, 4.0);
+    let mut all = lights(set, 3000, 1.0, 1.0, dice);
+    for light in &mut all {
+        match light {
+            LightSample::Punctual(light) => *light = light.moved(dice.cube() * HALF),
+            LightSample::Patch(patch) => {
+                patch.position = dice.cube() * HALF;
+                patch.area = 1e-3;
+            }
+        }
+    }
+    all
+}
+
+/// The claim of `cut.rs`, for lights of a kind and for all kinds together: over random places and normals, the error of the unshadowed
+/// irradiance is, as the root of its mean square, below `error` times the mean irradiance over all normals, Σ |F_i| / 4. Largest errors
+/// are held to four times as much: largest of these were 1.4.
+#[test]
+fn sums_over_cuts_are_as_near_as_they_say() {
+    let mut dice = Dice(7);
+    let mut sets: Vec<Vec<LightSample>> = SETS.iter().map(|&set| room(set, &mut dice)).collect();
+    sets.push(sets.concat());
+    for (samples, falloff) in sets.iter().flat_map(|set| falloffs().map(|falloff| (LightSamples::new(set), falloff))) {
+        let tree = LightTree::new(&samples);
+        for error in [0.1, 0.03, 0.01] {
+            let (mut squares, mut largest, mut n, mut entries) = (0.0, 0.0_f32, 0.0, 0);
+            for _ in 0..24 {
+                let centre = dice.cube() * Vec3::new(5.0, 2.0, 4.0);
+                let receivers = Receivers::within(centre - 0.125, centre + 0.125);
+                let mut cut = Vec::new();
+                tree.cut(&receivers, falloff, error, &mut Refinement::default(), &mut cut);
+                entries += cut.len();
+                let lights = packed(&tree, &cut);
+                let place = centre + dice.cube() * 0.125;
+                let points: Vec<_> = (0..32).map(|_| (place, dice.direction())).collect();
+                let (mut near, mut exact) = (Vec::new(), Vec::new());
+                lights.irradiance(Level::new(), falloff, points.iter().copied(), &mut near);
+                samples.irradiance(Level::new(), falloff, points.iter().copied(), &mut exact);
+                let mean = arriving(&samples, falloff, place).1.iter().sum::<f32>() / 4.0;
+                let errors: Vec<_> = near.iter().zip(&exact).map(|(a, b)| (a - b).abs().element_sum() / mean).collect();
+                let over_normals = errors.iter().sum::<f32>() / 32.0;
+                (squares, n) = (squares + over_normals * over_normals, n + 1.0);
+                largest = errors.into_iter().fold(largest, f32::max);
+            }
+            let rms = (squares / n).sqrt();
+            eprintln!("{:?} ε {error}: rms {rms:.5}, largest {largest:.5}, cuts of {}", samples.luminaire(0).map(|l|l.emission), entries / 24);
+            assert!(rms <= error, "{rms} {error}");
+            assert!(largest <= 4.0 * error, "{largest} {error}");
+        }
+    }
+}
+
+/// With no error allowed a cut is every light that arrives, once.
+#[test]
+fn a_cut_without_error_is_every_light() {
+    let mut dice = Dice(3);
+    for set in SETS {
+        let samples = LightSamples::new(&room(set, &mut dice));
+        let tree = LightTree::new(&samples);
+        let x = dice.cube();
+        let mut cut = Vec::new();
+        tree.cut(&Receivers::at(x), Falloff::InverseSquare, 0.0, &mut Refinement::default(), &mut cut);
+        let lanes: Vec<_> = cut.iter().map(|&node| tree.representative(node, 0.5)).collect();
+        assert!(cut.iter().all(|&node| tree.nodes[node as usize].count == 1));
+        assert_eq!(lanes.iter().collect::<std::collections::HashSet<_>>().len(), lanes.len());
+        let mut d = Directions::default();
+        samples.directions(Level::new(), Falloff::InverseSquare, x, &mut d);
+        let lit = (0..samples.lanes()).filter(|&lane| d.f[lane] > 0.0 && samples.luminaire(lane).is_some());
+        assert!(lit.into_iter().all(|lane| lanes.contains(&lane)));
+    }
+}
+
+/// A bound that is never reached would refine for nothing: the largest error of 10,000 clusters of points is over a fifth of its.
+#[test]
+fn bounds_are_not_far_off() {
+    let (mut dice, mut closest) = (Dice(11), 0.0_f32);
+    for _ in 0..10_000 {
+        let samples = LightSamples::new(&lights(Set::Points, 2, 0.1, 0.0, &mut dice));
+        let tree = LightTree::new(&samples);
+        let p = dice.direction() * 2.0;
+        let bound = tree.bound(0, &Receivers::at(p), Falloff::InverseSquare).error;
+        let (vectors, lengths) = arriving(&samples, Falloff::InverseSquare, p);
+        let cluster = arriving(&packed(&tree, &[0]), Falloff::InverseSquare, p).0;
+        let error: f32 = (0..3).map(|k| lengths[k] - vectors[k].length() + (vectors[k] - cluster[k]).length()).sum();
+        closest = closest.max(error / bound);
+    }
+    assert!(closest > 0.2, "{closest}");
+}
+
+/// χ² with 29 degrees of freedom: P(χ² > 65) < 2e-4.
+#[test]
+fn representatives_come_in_proportion_to_strength() {
+    let mut dice = Dice(5);
+    let samples = LightSamples::new(&lights(Set::Points, 30, 1.0, 0.0, &mut dice));
+    let tree = LightTree::new(&samples);
+    let (mut counts, n) = (vec![0.0_f32; samples.lanes()], 20_000.0);
+    for i in 0..20_000 {
+        counts[tree.representative(0, (hash(i) >> 8) as f32 / 16_777_216.0)] += 1.0;
+    }
+    let all: f32 = (0..samples.lanes()).map(|lane| samples.intensity(lane).element_sum()).sum();
+    let expected = |lane: usize| n * samples.intensity(lane).element_sum() / all;
+    let chi2: f32 = (0..30).map(|lane| (counts[lane] - expected(lane)).powi(2) / expected(lane)).sum();
+    assert!(chi2 < 65.0, "χ² = {chi2}");
+}
