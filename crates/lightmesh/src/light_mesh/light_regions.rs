@@ -213,3 +213,6 @@ struct Scratch {
     lights: LightSamples,
     nodes: Vec<u32>,
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,7 +34,7 @@ use neighbourhood::Neighbourhood;
 pub(crate) use reader::Sight;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
-/// neighbourhood, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
+/// neighbourhood, light error, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
 /// may change from frame to frame.
 #[derive(Debug)]
 pub struct LightMesh {

@@ -171,9 +171,9 @@ fn room(set: Set, dice: &mut Dice) -> Vec<LightSample> {
     all
 }
 
-/// The claim of `cut.rs`, for lights of a kind and for all kinds together: over random places and normals, the error of the unshadowed
-/// irradiance is, as the root of its mean square, below `error` times the mean irradiance over all normals, Σ |F_i| / 4. Largest errors
-/// are held to four times as much: largest of these were 1.4.
+/// The claim of `cut.rs`, for lights of a kind and for all kinds together: the error of the unshadowed irradiance, averaged over normals, is at
+/// random places, as the root of its mean square, below `error` times the mean irradiance over all normals, Σ |F_i| / 4. Single
+/// readings are held to four times as much: the worst were 3.6 (patches that look everywhere, 0.1), at 0.01 0.5 to 1.7.
 #[test]
 fn sums_over_cuts_are_as_near_as_they_say() {
     let mut dice = Dice(7);
@@ -182,13 +182,12 @@ fn sums_over_cuts_are_as_near_as_they_say() {
     for (samples, falloff) in sets.iter().flat_map(|set| falloffs().map(|falloff| (LightSamples::new(set), falloff))) {
         let tree = LightTree::new(&samples);
         for error in [0.1, 0.03, 0.01] {
-            let (mut squares, mut largest, mut n, mut entries) = (0.0, 0.0_f32, 0.0, 0);
+            let (mut squares, mut largest, mut n) = (0.0, 0.0_f32, 0.0);
             for _ in 0..24 {
                 let centre = dice.cube() * Vec3::new(5.0, 2.0, 4.0);
                 let receivers = Receivers::within(centre - 0.125, centre + 0.125);
                 let mut cut = Vec::new();
                 tree.cut(&receivers, falloff, error, &mut Refinement::default(), &mut cut);
-                entries += cut.len();
                 let lights = packed(&tree, &cut);
                 let place = centre + dice.cube() * 0.125;
                 let points: Vec<_> = (0..32).map(|_| (place, dice.direction())).collect();
@@ -202,7 +201,6 @@ fn sums_over_cuts_are_as_near_as_they_say() {
                 largest = errors.into_iter().fold(largest, f32::max);
             }
             let rms = (squares / n).sqrt();
-            eprintln!("{:?} ε {error}: rms {rms:.5}, largest {largest:.5}, cuts of {}", samples.luminaire(0).map(|l|l.emission), entries / 24);
             assert!(rms <= error, "{rms} {error}");
             assert!(largest <= 4.0 * error, "{largest} {error}");
         }
