@@ -35,14 +35,14 @@ fn crowded() -> SceneData {
 }
 
 fn relrmse(a: &Frame, b: &Frame) -> f32 {
-    let pairs = || a.image.pixels().iter().zip(b.image.pixels());
-    let squares: f32 = pairs().map(|(a, b)| (*a - *b).length_squared() / 3.0).sum();
+    let pairs = || a.image.pixels.iter().zip(&b.image.pixels);
+    let squares: f32 = pairs().map(|(a, b)| (a - b).length_squared() / 3.0).sum();
     let mean: f32 = pairs().map(|(_, b)| b.element_sum() / 3.0).sum();
     (squares * pairs().len() as f32).sqrt() / mean
 }
 
-/// The ladder of errors: each rung's picture is within ε, and a little for the shadows of clusters (empirical: 0.4, 0.9, 1.5% of error at
-/// the three rungs), of that which knows every light; and takes fewer rays.
+/// The ladder of errors: each rung's picture, with the noise of the clusters' shadows (empirical; 0.24, 0.44 and 0.71% in all), is within ε of
+/// that which knows every light, and takes fewer rays.
 #[test]
 fn pictures_are_as_near_as_they_say() {
     let scene = Scene::new(crowded()).expect("scene");
@@ -52,7 +52,7 @@ fn pictures_are_as_near_as_they_say() {
     for error in [0.003, 0.01, 0.03] {
         let frame = shoot(&scene, &room_camera(), &options(error));
         let off = relrmse(&frame, &exact);
-        assert!(off < error + 0.01, "{off} {error}");
+        assert!(off < error, "{off} {error}");
         assert!(frame.stats.rays.shadow < rays, "{} {rays}", frame.stats.rays.shadow);
         rays = frame.stats.rays.shadow;
     }

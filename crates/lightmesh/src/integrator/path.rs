@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::block::MAX_LAYERS;
 use super::direct::Scratch;
-use super::lights_at::LightsAt;
 use super::first_hits::FirstHits;
 use super::lamps::{LampSampler, power_heuristic};
+use super::lights_at::LightsAt;
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use super::surface::{Surface, Vertex, evaluate};
 use crate::bvh::Hit;

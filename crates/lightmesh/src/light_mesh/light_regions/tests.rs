@@ -76,7 +76,8 @@ fn sky() -> SceneData {
     let texels: Vec<[f32; 4]> = (0..width * height).map(texel).collect();
     let map = ImageData { name: "sky".into(), width, height, texels: Texels::Rgba32F(Arc::from(texels)) };
     let mut data = floor();
-    data.environment = Some(Environment { map: Some(map), radiance: Vec3::splat(100.0), world_from_map: Quat::IDENTITY });
+    data.environment =
+        Some(Environment { map: Some(map), radiance: Vec3::splat(100.0), world_from_map: Quat::IDENTITY });
     data
 }
 

@@ -154,24 +154,13 @@ impl LightSamples {
 
 impl Block {
     /// Stands far away and shines with zero.
-    const PADDING: Self = Self {
-        x: [1e9; LANES],
-        y: [1e9; LANES],
-        z: [1e9; LANES],
-        r: [0.0; LANES],
-        g: [0.0; LANES],
-        b: [0.0; LANES],
-    };
+    const PADDING: Self =
+        Self { x: [1e9; LANES], y: [1e9; LANES], z: [1e9; LANES], r: [0.0; LANES], g: [0.0; LANES], b: [0.0; LANES] };
 }
 
 impl Facing {
-    const PADDING: Self = Self {
-        ax: [0.0; LANES],
-        ay: [0.0; LANES],
-        az: [0.0; LANES],
-        back: [0.0; LANES],
-        spread: [0.0; LANES],
-    };
+    const PADDING: Self =
+        Self { ax: [0.0; LANES], ay: [0.0; LANES], az: [0.0; LANES], back: [0.0; LANES], spread: [0.0; LANES] };
 }
 
 impl Extra {
@@ -213,7 +202,9 @@ mod tests {
                     outer_cone_angle: 0.5,
                 }),
                 2 => LightSample::Punctual(Light::Directional { direction: Vec3::Z, illuminance_lux: Vec3::ONE }),
-                _ => LightSample::Punctual(Light::Point { position: position(i), intensity_cd: Vec3::ONE, range: None }),
+                _ => {
+                    LightSample::Punctual(Light::Point { position: position(i), intensity_cd: Vec3::ONE, range: None })
+                }
             })
             .collect();
         let lights = LightSamples::new(&samples);

@@ -102,7 +102,13 @@ impl LightTree {
                 let error = if node.child == 0 {
                     0.0
                 } else {
-                    let slope = if !across { 0.0 } else if two_sided { 2.0 } else { 1.0 };
+                    let slope = if !across {
+                        0.0
+                    } else if two_sided {
+                        2.0
+                    } else {
+                        1.0
+                    };
                     patch_error(node, orientation, (least, most), slope, near, g)
                 };
                 Bound { error, arriving: arriving * cos.min(1.0) }

@@ -135,7 +135,13 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
     }
     let (of, min, max) = widest;
     let size = max - min;
-    let axis = if size.x >= size.y.max(size.z) { 0 } else if size.y >= size.z { 1 } else { 2 };
+    let axis = if size.x >= size.y.max(size.z) {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
     let middle = 0.5 * (min[axis] + max[axis]);
     // Partition in order.
     scratch.clear();

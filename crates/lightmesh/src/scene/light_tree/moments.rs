@@ -33,9 +33,9 @@ impl Node {
         let strength = sum(leaves, |leaf| f64::from(leaf.strength()));
         let mean = sum(leaves, |leaf| place(leaf) * f64::from(leaf.strength())) / strength;
         let extremes = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let (min, max) = leaves.iter().fold(extremes, |(min, max), leaf| {
-            (min.min(leaf.luminaire.place), max.max(leaf.luminaire.place))
-        });
+        let (min, max) = leaves
+            .iter()
+            .fold(extremes, |(min, max), leaf| (min.min(leaf.luminaire.place), max.max(leaf.luminaire.place)));
         let mut node = Self {
             min,
             max,
@@ -68,9 +68,8 @@ impl Node {
             return (node, luminaire);
         }
         let mean = node.place.as_dvec3();
-        node.variance = up(
-            sum(leaves, |leaf| place(leaf).distance_squared(mean) * f64::from(leaf.strength())) / strength,
-        );
+        node.variance =
+            up(sum(leaves, |leaf| place(leaf).distance_squared(mean) * f64::from(leaf.strength())) / strength);
         let off = |channel: fn(&Leaf) -> f64| sum(leaves, |leaf| (place(leaf) - mean) * channel(leaf)).length();
         node.colour = up(CHANNELS.map(off).iter().sum());
         luminaire.place = node.place;
@@ -134,7 +133,8 @@ pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) ->
         }
     };
     let square = sum(leaves, |leaf| axis(leaf).distance_squared(about) * f64::from(leaf.strength())) / strength;
-    let orientation = Orientation { axis: shines.as_vec3(), cone, deviation: up(square.sqrt()), colour: up(colour), shape };
+    let orientation =
+        Orientation { axis: shines.as_vec3(), cone, deviation: up(square.sqrt()), colour: up(colour), shape };
     Some((orientation, luminaire))
 }
 
