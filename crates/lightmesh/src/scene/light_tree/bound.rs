@@ -89,7 +89,7 @@ impl LightTree {
             return Bound { error, arriving };
         }
         let orientation = &self.orientations[index as usize - self.first_oriented];
-        let cosines = cosines(node, orientation, receivers);
+        let cosines = cosines(node, orientation, receivers, near);
         let g = attenuation(falloff, near);
         match orientation.shape {
             Shape::Patch { least, most } => {
@@ -214,8 +214,23 @@ fn spot_error(
     capped(g * error, node, g)
 }
 
-/// The cosines between any axis of a node and any way from its lights to the receivers: by spheres around both boxes.
-fn cosines(node: &Node, orientation: &Orientation, receivers: &Receivers) -> Cosines {
+/// The cosines between any axis of a node and any way from its lights to the receivers: whichever says more of spheres around both boxes,
+/// and of the boxes along the axis. The latter knows that the ceiling is behind lamps that hang below it.
+fn cosines(node: &Node, orientation: &Orientation, receivers: &Receivers, near: f32) -> Cosines {
+    let spheres = cosines_of_spheres(node, orientation, receivers);
+    // Distances along the axis; an axis of the cone is at most a chord away from it.
+    let (low, high) = (receivers.min - node.max, receivers.max - node.min);
+    let (a, b) = (orientation.axis * low, orientation.axis * high);
+    let furthest = low.abs().max(high.abs()).length();
+    let slack = ((2.0 - 2.0 * orientation.cone.0).max(0.0).sqrt() + 1e-6) * furthest;
+    let (behind, ahead) = (a.min(b).element_sum() - slack, a.max(b).element_sum() + slack);
+    let most = ahead / if ahead > 0.0 { near } else { furthest };
+    let least = behind / if behind < 0.0 { near } else { furthest };
+    // Not a number, 0 / 0, loses.
+    Cosines { least: least.max(spheres.least), most: most.min(spheres.most) }
+}
+
+fn cosines_of_spheres(node: &Node, orientation: &Orientation, receivers: &Receivers) -> Cosines {
     const ANY: Cosines = Cosines { least: -1.0, most: 1.0 };
     let towards = receivers.centre - 0.5 * (node.min + node.max);
     let distance = towards.length();
