@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::integrator::LightsAt;
-use crate::scene::{LightSamples, LightTree, Receivers, Refinement};
+use crate::scene::{LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, Method, RenderOptions, Scene};
 
 /// Up to so many samples are summed one by one: that takes less time than a cut through more would.
@@ -115,6 +115,11 @@ impl LightRegions {
         self.sum(scene, falloff, points, &self.order(points))
     }
 
+    /// Of sums without shadows.
+    fn tolerance(&self) -> Tolerance {
+        Tolerance { error: self.error, shadows: 0.0 }
+    }
+
     fn region(&self, p: Vec3) -> Region {
         let cell = ((p - self.origin) / self.edge).clamp(Vec3::ZERO, Vec3::splat(((1 << 21) - 1) as f32)).as_u64vec3();
         cell.x | cell.y << 21 | cell.z << 42
@@ -156,7 +161,7 @@ impl LightRegions {
             let cuts: Vec<Box<[u32]>> = now
                 .par_iter()
                 .map_init(Default::default, |(refinement, cut): &mut (Refinement, Vec<u32>), &region| {
-                    tree.cut(&this.receivers(region), this.falloff, this.error, refinement, cut);
+                    tree.cut(&this.receivers(region), this.falloff, this.tolerance(), refinement, cut);
                     cut.as_slice().into()
                 })
                 .collect();
@@ -184,7 +189,7 @@ impl LightRegions {
                 let cut = match self.cuts.get(&group[0].0) {
                     Some(cut) => cut,
                     None => {
-                        tree.cut(&self.receivers(group[0].0), falloff, self.error, refinement, cut);
+                        tree.cut(&self.receivers(group[0].0), falloff, self.tolerance(), refinement, cut);
                         cut.as_slice()
                     }
                 };

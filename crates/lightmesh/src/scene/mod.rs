@@ -18,7 +18,7 @@ pub use data::{Instance, SceneData, ShapeEntry};
 pub use environment::{EmitterOptions, Environment, soft_environment};
 pub use light::Light;
 pub(crate) use light_samples::{Directions, Emission, LightSamples, Luminaire};
-pub(crate) use light_tree::{LightTree, Receivers, Refinement};
+pub(crate) use light_tree::{LightTree, Receivers, Refinement, Tolerance};
 pub use material::{AlphaMode, Material};
 pub(crate) use texture::Decode;
 pub use texture::{Filter, ImageData, Texels, Texture, TextureRef, UvTransform, Wrap};

@@ -21,7 +21,7 @@ mod moments;
 mod tests;
 
 pub(crate) use bound::Receivers;
-pub(crate) use cut::Refinement;
+pub(crate) use cut::{Refinement, Tolerance};
 
 use glam::Vec3;
 

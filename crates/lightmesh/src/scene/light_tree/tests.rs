@@ -187,7 +187,7 @@ fn sums_over_cuts_are_as_near_as_they_say() {
                 let centre = dice.cube() * Vec3::new(5.0, 2.0, 4.0);
                 let receivers = Receivers::within(centre - 0.125, centre + 0.125);
                 let mut cut = Vec::new();
-                tree.cut(&receivers, falloff, error, &mut Refinement::default(), &mut cut);
+                tree.cut(&receivers, falloff, Tolerance { error, shadows: 0.0 }, &mut Refinement::default(), &mut cut);
                 let lights = packed(&tree, &cut);
                 let place = centre + dice.cube() * 0.125;
                 let points: Vec<_> = (0..32).map(|_| (place, dice.direction())).collect();
@@ -216,7 +216,13 @@ fn a_cut_without_error_is_every_light() {
         let tree = LightTree::new(&samples);
         let x = dice.cube();
         let mut cut = Vec::new();
-        tree.cut(&Receivers::at(x), Falloff::InverseSquare, 0.0, &mut Refinement::default(), &mut cut);
+        tree.cut(
+            &Receivers::at(x),
+            Falloff::InverseSquare,
+            Tolerance { error: 0.0, shadows: 0.2 },
+            &mut Refinement::default(),
+            &mut cut,
+        );
         let lanes: Vec<_> = cut.iter().map(|&node| tree.representative(node, 0.5)).collect();
         assert!(cut.iter().all(|&node| tree.nodes[node as usize].count == 1));
         assert_eq!(lanes.iter().collect::<std::collections::HashSet<_>>().len(), lanes.len());
