@@ -145,6 +145,10 @@ pub struct RenderOptions {
     pub falloff: Falloff,
     /// Scale of Ĩ in [`Method::Paper`].
     pub paper_scale: PaperScale,
+    /// Error of the sum over more than 512 light samples, as a part of all light that arrives at a place: lights that are far away are
+    /// taken together as far as it allows (docs/many-lights.md). At least 0 and below 1; 0: every light by itself. For the methods with a
+    /// mesh; [`Method::Standard`] and [`Method::Path`] know every light.
+    pub light_error: f32,
     /// Layers that the picture gets beside its light.
     pub aovs: Aovs,
     /// Seed of all randomness.
@@ -174,6 +178,7 @@ impl Default for RenderOptions {
             field_falloff: Falloff::default(),
             falloff: Falloff::default(),
             paper_scale: PaperScale::default(),
+            light_error: 0.01,
             aovs: Aovs::default(),
             seed: 0,
             max_memory: 4 << 30,
@@ -304,6 +309,9 @@ impl RenderOptions {
                 "aov",
                 format!("{} shows the light mesh, which the methods standard and path do not have", aov.name()),
             );
+        }
+        if !(self.light_error >= 0.0 && self.light_error < 1.0) {
+            return bad("light-error", format!("must be at least 0 and below 1, not {}", self.light_error));
         }
         if !(self.cutoff >= 0.0 && self.cutoff < 1.0) {
             return bad("cutoff", format!("must be at least 0 and below 1, not {}", self.cutoff));

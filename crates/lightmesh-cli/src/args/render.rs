@@ -85,6 +85,10 @@ pub(crate) struct RenderArgs {
     /// Attenuation of light with distance: r2 (physical) or C+r, C in metres (the paper's phi 3)
     #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light")]
     falloff: Falloff,
+    /// Error of the sum over more than 512 lights or light samples, as a part of all light that arrives at a place, 0 to below 1; 0: every
+    /// light by itself, as --method standard and path always do
+    #[arg(long, value_name = "FRACTION", default_value_t = RenderOptions::default().light_error, value_parser = fraction, allow_hyphen_values = true, help_heading = "Light")]
+    light_error: f32,
     /// Seed of all randomness
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().seed, help_heading = "Light")]
     seed: u64,
@@ -148,7 +152,7 @@ enum UnitsArg {
     Blender,
 }
 
-/// Parses `--cutoff`.
+/// Parses `--cutoff` and `--light-error`.
 fn fraction(text: &str) -> Result<f32, String> {
     let value = text.parse().ok().filter(|x: &f32| (0.0..1.0).contains(x));
     value.ok_or_else(|| "expected a number of at least 0 and below 1".to_owned())
@@ -178,6 +182,7 @@ impl RenderArgs {
             field_falloff: self.field_falloff,
             falloff: self.falloff,
             paper_scale: self.paper_scale.into(),
+            light_error: self.light_error,
             aovs: self.aov.iter().copied().collect(),
             seed: self.seed,
             max_memory: self.max_memory,
@@ -238,6 +243,7 @@ mod tests {
             ("--spacing", "-1"),
             ("--time-limit", "-1"),
             ("--cutoff", "-0.5"),
+            ("--light-error", "-0.5"),
             ("--size", "-1x2"),
             ("--falloff", "-1+r"),
             ("--environment", "-1,0,0"),

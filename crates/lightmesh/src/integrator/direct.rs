@@ -3,10 +3,11 @@
 use glam::Vec3;
 
 use super::Vertex;
+use super::lights_at::LightsAt;
 use super::visibility::{VisibilityScratch, visibility};
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::scene::{Directions, LightSamples, Scene};
+use crate::scene::{Directions, Scene};
 
 /// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
 #[derive(Debug, Default)]
@@ -20,14 +21,16 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// Σ_i V_i φ2 E_i / φ3 over `lights`: formula (2) with exact visibility, lux per channel; also how many shadow rays it took.
+    /// Σ_i V_i φ2 E_i / φ3 over lights that look from the vertex: formula (2) with exact visibility, lux per channel; also how many
+    /// shadow rays it took.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
-        lights: &LightSamples,
+        seen: &LightsAt<'_>,
         falloff: Falloff,
         vertex: &Vertex,
     ) -> (Vec3, u64) {
+        let lights = seen.lights();
         lights.directions(scene.level(), falloff, vertex.position, &mut self.directions);
 
         // Only lights in front of the surface, in their cone and range, are worth a ray.
@@ -41,7 +44,7 @@ impl Scratch {
             if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 self.lanes.push(lane as u32);
                 self.terms.push(term);
-                self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(direction)));
+                self.rays.push(seen.shadow_ray(lane, vertex.origin_towards(direction)));
             }
         }
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);

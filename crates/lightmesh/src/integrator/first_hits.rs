@@ -27,7 +27,6 @@ struct FirstHit {
 #[derive(Debug, Default)]
 pub(super) struct FirstHits {
     hits: Vec<FirstHit>,
-    unshadowed: Vec<Vec3>,
 }
 
 impl FirstHits {
@@ -62,11 +61,11 @@ impl FirstHits {
             return 0;
         }
         // Vertices that face no light have asked for nothing.
-        let points = vertices.iter().map(|v| (v.position, v.n));
-        scene.lights().irradiance(scene.level(), options.falloff, points, &mut self.unshadowed);
+        let points: Vec<_> = vertices.iter().map(|v| (v.position, v.n)).collect();
+        let unshadowed = field.lights().read_irradiance(scene, options.falloff, &points);
         let mut reader = field.reader(scene, Sight::Every);
         for hit in &mut self.hits {
-            let Some(i) = hit.vertex.map(|i| i as usize).filter(|&i| self.unshadowed[i] != Vec3::ZERO) else {
+            let Some(i) = hit.vertex.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {
                 continue;
             };
             hit.usable = reader.usable_part(&vertices[i], marks);

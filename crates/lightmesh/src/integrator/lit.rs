@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::Vertex;
 use super::by_light::ByLight;
 use super::direct::Scratch;
+use super::lights_at::LightsAt;
 use super::plan::{Plan, Shading};
 use super::sampling::seed_of_place;
 use crate::light_mesh::{DirectField, LightsReading, Marks, Reading, Sight};
@@ -34,18 +35,19 @@ impl LitVertices {
     /// A shadow ray to each of the light samples from every vertex.
     pub(super) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
         self.direct.clear();
+        let lights = LightsAt::every(lights);
         for vertex in &self.vertices {
-            let (irradiance, rays) = self.scratch.irradiance(scene, lights, falloff, vertex);
+            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
             self.direct.push(irradiance);
             self.shadow_rays += rays;
         }
         self.waiting.clear();
     }
 
-    /// Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
-    fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
-        let points = self.vertices.iter().map(|v| (v.position, v.n));
-        scene.lights().irradiance(scene.level(), falloff, points, &mut self.direct);
+    /// Takes Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
+    fn take_unshadowed(&mut self, sums: &[Vec3]) {
+        self.direct.clear();
+        self.direct.extend_from_slice(sums);
         self.waiting.clear();
         let lit = |&i: &u32| self.direct[i as usize] != Vec3::ZERO;
         self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
@@ -63,13 +65,15 @@ impl LitVertices {
     /// waiting.
     fn shade_by_mesh(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, sight: Sight) {
         let mut reader = field.reader(scene, sight);
+        let mut lights = field.lights().at(scene);
         let Self { waiting, vertices, direct, scratch, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
             match reader.read(vertex, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
                 Reading::Nothing => {
-                    let (exact, rays) = scratch.irradiance(scene, scene.lights(), falloff, vertex);
+                    lights.look_from(vertex.position, falloff);
+                    let (exact, rays) = scratch.irradiance(scene, &lights, falloff, vertex);
                     *irradiance = exact;
                     *shadow_rays += rays;
                     *fallbacks += 1;
@@ -91,6 +95,7 @@ impl LitVertices {
         (shading, sight): (Shading, Sight),
     ) {
         let mut reader = field.reader(scene, sight);
+        let lights = LightsAt::every(scene.lights());
         let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let vertex = &vertices[i as usize];
@@ -107,10 +112,10 @@ impl LitVertices {
                     let seed = seed ^ seed_of_place(vertex.position);
                     by_light.unbiased(scene, falloff, vertex, agreement, (rays, seed))
                 }
-                (LightsReading::Agreement(_), _) => scratch.irradiance(scene, scene.lights(), falloff, vertex),
+                (LightsReading::Agreement(_), _) => scratch.irradiance(scene, &lights, falloff, vertex),
                 (LightsReading::Nothing, _) => {
                     *fallbacks += 1;
-                    scratch.irradiance(scene, scene.lights(), falloff, vertex)
+                    scratch.irradiance(scene, &lights, falloff, vertex)
                 }
             };
             direct[i as usize] = irradiance;
@@ -155,11 +160,18 @@ impl DirectLighting<'_, '_> {
         let shading = self.plan.shading(sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();
-        lists.par_iter_mut().for_each(|list| match shading {
-            Shading::Exact => list.shade_exactly(scene, scene.lights(), falloff),
-            Shading::MeanVisibility => list.sum_unshadowed(scene, falloff),
-            Shading::ByLight(_) | Shading::Unbiased { .. } => list.await_all(),
-        });
+        match shading {
+            Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
+            Shading::ByLight(_) | Shading::Unbiased { .. } => lists.iter_mut().for_each(|list| list.await_all()),
+            Shading::MeanVisibility => {
+                let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
+                let sums = self.field.lights_mut().irradiance(scene, falloff, &vertices.collect::<Vec<_>>());
+                let mut sums = sums.as_slice();
+                for list in lists.iter_mut() {
+                    list.take_unshadowed(sums.split_off(..list.vertices.len()).unwrap_or_default());
+                }
+            }
+        }
         seconds.shade += started.elapsed().as_secs_f64();
         // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
         loop {

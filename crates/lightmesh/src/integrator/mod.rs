@@ -8,6 +8,7 @@ mod by_light;
 mod direct;
 mod first_hits;
 mod lamps;
+mod lights_at;
 mod lit;
 mod passes;
 mod plan;
@@ -21,6 +22,7 @@ mod watch;
 mod wave;
 
 pub(crate) use block::MAX_LAYERS;
+pub(crate) use lights_at::LightsAt;
 pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use path::render_path;
 pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere, seed_of_place};

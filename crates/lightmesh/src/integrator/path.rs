@@ -10,6 +10,7 @@ use super::block::MAX_LAYERS;
 use super::direct::Scratch;
 use super::first_hits::FirstHits;
 use super::lamps::{LampSampler, power_heuristic};
+use super::lights_at::LightsAt;
 use super::passes::{SumOrder, take_samples};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use super::surface::{Surface, Vertex, evaluate};
@@ -308,7 +309,8 @@ impl PathTracer<'_> {
         if scene.emitters().light_radius > 0.0 {
             sum += self.lamps.balls(scene, falloff, vertex, sampler);
         } else {
-            let (irradiance, rays) = self.scratch.irradiance(scene, &scene.emitters().punctual, falloff, vertex);
+            let lights = LightsAt::every(&scene.emitters().punctual);
+            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
             self.rays.shadow += rays;
             sum += irradiance;
         }

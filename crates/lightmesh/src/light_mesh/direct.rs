@@ -8,6 +8,7 @@ use super::clearance::Clearance;
 use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
 use super::light_bits::LightBits;
+use super::light_regions::LightRegions;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits as corners_of};
 use super::points::Points;
@@ -62,6 +63,7 @@ pub(crate) struct DirectField {
     points: Points,
     field: Field,
     values: Vec<Vec4>,
+    lights: LightRegions,
     /// What points know of each light, where the method wants it.
     bits: Option<LightBits>,
     /// The lanes that pad blocks of lights, a bit each.
@@ -94,21 +96,31 @@ pub(crate) enum LightsReading<'a> {
 }
 
 impl DirectField {
-    pub(super) fn new(scene: &Scene, lattices: Vec<Lattice>, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+    /// # Errors
+    /// [`Error::OutOfMemory`] before anything is allocated.
+    pub(super) fn new(
+        scene: &Scene,
+        lattices: Vec<Lattice>,
+        neighbourhood: Neighbourhood,
+        options: &RenderOptions,
+    ) -> Result<Self, Error> {
+        let lights = LightRegions::new(scene, options)?;
         let field = Field::of(options);
         let constant = papers_constant(scene, field);
         let points = Points::new(lattices, neighbourhood);
-        let lights = scene.lights();
-        let bits = options.knows_lights().then(|| LightBits::new(lights.lanes()));
-        let mut padding = vec![0; lights.lanes().div_ceil(64)];
-        for lane in (0..64 * padding.len()).filter(|&i| i >= lights.lanes() || lights.intensity(i) == Vec3::ZERO) {
+        let samples = scene.lights();
+        let bits = options.knows_lights().then(|| LightBits::new(samples.lanes()));
+        let mut padding = vec![0; samples.lanes().div_ceil(64)];
+        for lane in (0..64 * padding.len()).filter(|&i| i >= samples.lanes() || samples.intensity(i) == Vec3::ZERO) {
             padding[lane / 64] |= 1 << (lane % 64);
         }
-        Self { points, field, values: Vec::new(), bits, padding, constant, max_memory: options.max_memory }
+        let max_memory = options.max_memory;
+        Ok(Self { points, field, values: Vec::new(), lights, bits, padding, constant, max_memory })
     }
 
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
         self.field == Field::of(options)
+            && self.lights.serves(options)
             && self.points.neighbourhood == neighbourhood
             && self.bits.is_some() == options.knows_lights()
     }
@@ -119,7 +131,7 @@ impl DirectField {
 
     pub(crate) fn stats(&self) -> MeshStats {
         let bits = self.bits.as_ref().map_or(0, LightBits::bytes);
-        self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64)
+        self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64 + self.lights.bytes())
     }
 
     /// Memory of a point's values.
@@ -135,6 +147,16 @@ impl DirectField {
     /// Its points, to be refined.
     pub(crate) fn points_mut(&mut self) -> &mut Points {
         &mut self.points
+    }
+
+    /// The lights of its scene.
+    pub(crate) fn lights(&self) -> &LightRegions {
+        &self.lights
+    }
+
+    /// [`DirectField::lights`], to ask for what is not known yet.
+    pub(crate) fn lights_mut(&mut self) -> &mut LightRegions {
+        &mut self.lights
     }
 
     /// Its points.
@@ -187,12 +209,12 @@ impl DirectField {
         let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
-        let (grid, field, constant) = (&self.points, self.field, self.constant);
+        let (grid, field, constant, lights) = (&self.points, self.field, self.constant, &self.lights);
         let (bits, padding) = (self.bits.as_ref(), self.padding.as_slice());
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
             .map(|chunk| {
-                let mut evaluator = Evaluator::new(scene, field, constant);
+                let mut evaluator = Evaluator::new(scene, lights.at(scene), field, constant);
                 let points: Vec<_> = chunk
                     .iter()
                     .map(|&address| {

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::direct::Field;
 use super::light_bits::LightBits;
 use crate::geometry::Ray;
-use crate::integrator::{VisibilityScratch, visibility};
+use crate::integrator::{LightsAt, VisibilityScratch, visibility};
 use crate::scene::{Directions, Scene};
 use crate::{Falloff, PaperScale};
 
@@ -13,6 +13,7 @@ use crate::{Falloff, PaperScale};
 #[derive(Debug)]
 pub(super) struct Evaluator<'a> {
     scene: &'a Scene,
+    lights: LightsAt<'a>,
     field: Field,
     constant: f32,
     shadow_rays: u64,
@@ -24,9 +25,10 @@ pub(super) struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    pub(super) fn new(scene: &'a Scene, field: Field, constant: f32) -> Self {
+    pub(super) fn new(scene: &'a Scene, lights: LightsAt<'a>, field: Field, constant: f32) -> Self {
         Self {
             scene,
+            lights,
             field,
             constant,
             shadow_rays: 0,
@@ -66,14 +68,15 @@ impl<'a> Evaluator<'a> {
 
     /// V_i for every light that reaches `x` at all.
     fn shoot(&mut self, x: Vec3, falloff: Falloff) {
-        let lights = self.scene.lights();
+        self.lights.look_from(x, falloff);
+        let lights = self.lights.lights();
         lights.directions(self.scene.level(), falloff, x, &mut self.directions);
         self.lanes.clear();
         self.rays.clear();
         for lane in 0..lights.lanes() {
             if self.directions.f[lane] > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 self.lanes.push(lane as u32);
-                self.rays.push(lights.shadow_ray(lane, x));
+                self.rays.push(self.lights.shadow_ray(lane, x));
             }
         }
         visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible);
@@ -86,7 +89,7 @@ impl<'a> Evaluator<'a> {
         let d = &self.directions;
         for (&lane, &v) in self.lanes.iter().zip(&self.visible) {
             let lane = lane as usize;
-            let intensity = (self.scene.lights().intensity(lane) * d.f[lane]).extend(0.0);
+            let intensity = (self.lights.lights().intensity(lane) * d.f[lane]).extend(0.0);
             for (axis, component) in [d.dx[lane], d.dy[lane], d.dz[lane]].into_iter().enumerate() {
                 let side = 2 * axis + usize::from(component < 0.0);
                 let e = intensity * component.abs();
@@ -104,7 +107,7 @@ impl<'a> Evaluator<'a> {
         for (&lane, &v) in self.lanes.iter().zip(&self.visible) {
             let lane = lane as usize;
             let r = Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]).length();
-            let e = self.scene.lights().intensity(lane) * (d.f[lane] * r);
+            let e = self.lights.lights().intensity(lane) * (d.f[lane] * r);
             all += e;
             visible += e * v;
         }

@@ -18,6 +18,7 @@ mod indirect;
 mod lattice;
 mod level;
 mod light_bits;
+mod light_regions;
 mod marks;
 mod neighbourhood;
 mod points;
@@ -38,7 +39,7 @@ use neighbourhood::Neighbourhood;
 pub(crate) use reader::Sight;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
-/// neighbourhood, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
+/// neighbourhood, light error, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
 /// may change from frame to frame.
 #[derive(Debug)]
 pub struct LightMesh {
@@ -87,7 +88,7 @@ impl LightMesh {
         let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
-            direct: DirectField::new(scene, direct, neighbourhood, options),
+            direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood, options)),
         })
     }

@@ -19,12 +19,15 @@
 //!
 //! Lanes do the same additions in the same order at every SIMD level, so the sums are the same bit for bit.
 
+mod luminaire;
+
+pub(crate) use luminaire::{Emission, Luminaire};
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16};
 use glam::Vec3;
 
-use super::Light;
-use super::emitters::{LightSample, Patch};
+use super::emitters::LightSample;
 use crate::Falloff;
 use crate::geometry::Ray;
 
@@ -82,13 +85,15 @@ struct Facing {
 }
 
 /// The light samples of a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LightSamples {
     /// Blocks of plain point lights first, then patches, then those that have an [`Extra`].
     blocks: Vec<Block>,
     facings: Vec<Facing>,
     extras: Vec<Extra>,
     count: usize,
+    /// Lanes of the last block that have a light.
+    last_lanes: usize,
 }
 
 /// d and f of the module's table for each lane of some blocks.
@@ -101,25 +106,16 @@ pub(crate) struct Directions {
 }
 
 impl LightSamples {
+    /// Those of the samples that shine, plain points first, then patches, then the others.
     pub(crate) fn new(samples: &[LightSample]) -> Self {
-        let (mut plain, mut patches, mut shaped) = (Vec::new(), Vec::new(), Vec::new());
-        for sample in samples {
-            match *sample {
-                LightSample::Patch(patch) if patch.intensity_cd != Vec3::ZERO => patches.push(patch),
-                LightSample::Punctual(light) if light.color() != Vec3::ZERO => match light {
-                    Light::Point { range: None, .. } => plain.push(light),
-                    _ => shaped.push(light),
-                },
-                _ => {}
-            }
+        let mut luminaires: Vec<Luminaire> = samples.iter().map(Luminaire::of).collect();
+        luminaires.retain(|luminaire| luminaire.intensity != Vec3::ZERO);
+        luminaires.sort_by_key(|luminaire| luminaire.emission.order());
+        let mut lights = Self::default();
+        for luminaire in &luminaires {
+            lights.push(luminaire);
         }
-        let of = |light: &Light| (place(light), light.color());
-        let mut blocks: Vec<Block> = plain.chunks(LANES).map(|lights| block(lights, of)).collect();
-        blocks.extend(patches.chunks(LANES).map(|patches| block(patches, |p| (p.position, p.intensity_cd))));
-        blocks.extend(shaped.chunks(LANES).map(|lights| block(lights, of)));
-        let facings = patches.chunks(LANES).map(facing).collect();
-        let extras = shaped.chunks(LANES).map(extra).collect();
-        Self { blocks, facings, extras, count: plain.len() + patches.len() + shaped.len() }
+        lights
     }
 
     /// How many lights there are.
@@ -349,79 +345,12 @@ pub(super) fn sum<S: Simd>(v: f32x16<S>) -> f32 {
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
-/// A block of things that have a place and a colour.
-fn block<T>(things: &[T], of: impl Fn(&T) -> (Vec3, Vec3)) -> Block {
-    // Padding stands far away and shines with zero.
-    let lane = |i: usize| things.get(i).map_or((Vec3::splat(1e9), Vec3::ZERO), &of);
-    Block {
-        x: std::array::from_fn(|i| lane(i).0.x),
-        y: std::array::from_fn(|i| lane(i).0.y),
-        z: std::array::from_fn(|i| lane(i).0.z),
-        r: std::array::from_fn(|i| lane(i).1.x),
-        g: std::array::from_fn(|i| lane(i).1.y),
-        b: std::array::from_fn(|i| lane(i).1.z),
-    }
-}
-
-fn facing(patches: &[Patch]) -> Facing {
-    let lane = |i: usize, get: fn(&Patch) -> f32| patches.get(i).map_or(0.0, get);
-    Facing {
-        ax: std::array::from_fn(|i| lane(i, |p| p.normal.x)),
-        ay: std::array::from_fn(|i| lane(i, |p| p.normal.y)),
-        az: std::array::from_fn(|i| lane(i, |p| p.normal.z)),
-        back: std::array::from_fn(|i| lane(i, |p| if p.two_sided { -1.0 } else { 0.0 })),
-        spread: std::array::from_fn(|i| lane(i, |p| p.area * std::f32::consts::FRAC_1_PI)),
-    }
-}
-
-/// A position, or the unit vector towards a directional light.
-fn place(light: &Light) -> Vec3 {
-    match *light {
-        Light::Point { position, .. } | Light::Spot { position, .. } => position,
-        Light::Directional { direction, .. } => -direction,
-    }
-}
-
-fn extra(lights: &[Light]) -> Extra {
-    struct Shape {
-        w: f32,
-        axis: Vec3,
-        scale: f32,
-        offset: f32,
-        inv_range2: f32,
-    }
-    let shape = |light: &Light| {
-        let inv_range2 = |range: Option<f32>| range.map_or(0.0, |r| 1.0 / (r * r));
-        match *light {
-            Light::Point { range, .. } => {
-                Shape { w: 1.0, axis: Vec3::ZERO, scale: 0.0, offset: 1.0, inv_range2: inv_range2(range) }
-            }
-            Light::Spot { direction, range, inner_cone_angle, outer_cone_angle, .. } => {
-                // KHR_lights_punctual: scale = 1 / max(0.001, cos inner − cos outer), offset = −cos outer · scale.
-                let (inner, outer) = (libm::cosf(inner_cone_angle), libm::cosf(outer_cone_angle));
-                let scale = 1.0 / (inner - outer).max(1e-3);
-                Shape { w: 1.0, axis: -direction, scale, offset: -outer * scale, inv_range2: inv_range2(range) }
-            }
-            Light::Directional { .. } => Shape { w: 0.0, axis: Vec3::ZERO, scale: 0.0, offset: 1.0, inv_range2: 0.0 },
-        }
-    };
-    let lane = |i: usize, get: fn(Shape) -> f32, padding: f32| lights.get(i).map_or(padding, |light| get(shape(light)));
-    Extra {
-        w: std::array::from_fn(|i| lane(i, |s| s.w, 1.0)),
-        ax: std::array::from_fn(|i| lane(i, |s| s.axis.x, 0.0)),
-        ay: std::array::from_fn(|i| lane(i, |s| s.axis.y, 0.0)),
-        az: std::array::from_fn(|i| lane(i, |s| s.axis.z, 0.0)),
-        cone_scale: std::array::from_fn(|i| lane(i, |s| s.scale, 0.0)),
-        cone_offset: std::array::from_fn(|i| lane(i, |s| s.offset, 1.0)),
-        inv_range2: std::array::from_fn(|i| lane(i, |s| s.inv_range2, 0.0)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::f32::consts::FRAC_PI_4;
 
     use super::*;
+    use crate::scene::Light;
 
     fn from_lights(lights: &[Light]) -> LightSamples {
         LightSamples::new(&lights.iter().map(|&light| LightSample::Punctual(light)).collect::<Vec<_>>())
