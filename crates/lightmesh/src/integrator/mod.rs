@@ -6,6 +6,7 @@ mod block;
 mod by_light;
 mod direct;
 mod first_hits;
+mod footprint;
 mod lamps;
 mod lit;
 mod passes;
