@@ -106,7 +106,7 @@ fn growth_on_sphere(sphere: &Sphere, position: Vec3) -> Growth {
     let n = sphere.normal(position);
     let parallel = (n.x * n.x + n.z * n.z).sqrt();
     let Some(east) = Vec3::new(n.z, 0.0, -n.x).try_normalize() else { return (Vec3::ZERO, Vec3::ZERO) };
-    (east / (TAU * sphere.radius * parallel), n.cross(east) / (PI * sphere.radius))
+    (east / (TAU * sphere.radius * parallel), east.cross(n) / (PI * sphere.radius))
 }
 
 #[cfg(test)]
