@@ -81,6 +81,7 @@ pub(super) fn decode(context: &mut Context<'_>, buffers: &Buffers<'_>, textures:
         match Size::of(context, &source) {
             Ok(size) => {
                 context.spend(image_place(&source), size.kept, 1)?;
+                context.spend(image_place(&source), size.smaller, 1)?;
                 largest_transient = largest_transient.max(size.transient);
                 readable.push(source);
             }
@@ -246,6 +247,8 @@ struct Size {
     decoded: u64,
     /// Of the texels that stay.
     kept: u64,
+    /// Of the smaller copies that lookups of colours may make of it later.
+    smaller: u64,
     /// Of the decoder's output and our conversion, on top while it works.
     transient: u64,
 }
@@ -264,8 +267,10 @@ impl Size {
             true => (texels.saturating_mul(16 * uses), texels.saturating_mul(8 + 16)),
             false => (texels.saturating_mul(4), texels.saturating_mul(4)),
         };
+        let texel = if is_deep(decoder.color_type()) { 16 } else { 4 };
+        let smaller = if source.srgb { ImageData::pyramid_texels(width, height).saturating_mul(texel) } else { 0 };
         let decoded = decoder.total_bytes();
-        Ok(Self { texels, decoded, kept, transient: decoded.saturating_add(converted) })
+        Ok(Self { texels, decoded, kept, smaller, transient: decoded.saturating_add(converted) })
     }
 }
 

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 
 use self::{order::TileOrder, outlines::Outlines, pass::Pass, sketch::Sketch};
 use crate::aov::Layers;
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::integrator::{film_samples, hash};
 use crate::scene::FilmRays;
 use crate::{Aovs, Camera, RenderOptions};
@@ -25,6 +25,8 @@ pub(crate) struct Film {
     seed: u64,
     /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
+    /// Cells of a pixel.
+    cells: Vec2,
     /// What is being sampled.
     pass: Pass,
     sums: Vec<Vec3>,
@@ -58,6 +60,7 @@ impl Film {
             order,
             seed: options.seed,
             offsets: film_samples(options.spp),
+            cells: cells_of_pixel(options.spp as usize),
             pass: Pass { pixels: None, indices: 0..options.spp, done: 0 },
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.aovs,
@@ -185,10 +188,10 @@ impl Film {
         })
     }
 
-    /// The camera ray of a sample. A single sample goes through the pixel's centre; more are the points of one Sobol set,
+    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the pixel's centre; more are the points of one Sobol set,
     /// whose digits are scrambled by the pixel's own bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002):
     /// strata stay strata.
-    pub(crate) fn ray(&self, sample: Sample) -> Ray {
+    pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
             let bits = hash(hash(self.seed as u32 ^ hash((self.seed >> 32) as u32)) ^ sample.pixel);
@@ -197,7 +200,9 @@ impl Film {
             let unit = |digits: u32| (digits >> 8) as f32 * (1.0 / (1 << 24) as f32);
             offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
         }
-        self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y)
+        let ray = self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y);
+        let middle = ((offset * self.cells).floor() + 0.5) / self.cells;
+        (ray, self.rays.cone(&ray, 1.0 / (self.cells.x * self.cells.y).sqrt(), middle - offset))
     }
 
     /// Adds one sample's radiance, or a part of it.
@@ -224,6 +229,17 @@ impl Film {
     pub(crate) fn frame(&self) -> (FilmRays, u32, u32) {
         (self.rays, self.order.width, self.order.height)
     }
+}
+
+/// The cells of a pixel with so many samples, in each direction: 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
+///
+/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a (0, 2)-sequence has
+/// a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error against 256 point
+/// samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with point samples, 12.7%
+/// with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on outlines of surfaces.
+fn cells_of_pixel(spp: usize) -> Vec2 {
+    let k = spp.ilog2();
+    Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32)
 }
 
 #[cfg(test)]
@@ -263,7 +279,7 @@ mod tests {
             let mut strata: Vec<(u32, u32)> = film
                 .samples(pixel * 16..pixel * 16 + 16)
                 .map(|s| {
-                    let p = film.rays.position(&film.ray(s)) - Vec2::new(s.x as f32, s.y as f32);
+                    let p = film.rays.position(&film.ray(s).0) - Vec2::new(s.x as f32, s.y as f32);
                     ((p.x * 4.0) as u32, (p.y * 4.0) as u32)
                 })
                 .collect();
@@ -277,9 +293,9 @@ mod tests {
     fn one_sample_is_the_centre_and_more_stay_in_their_pixel() {
         let centre = film(9, 7, 1);
         let sample = centre.samples(0..1).next().expect("a sample");
-        assert_eq!(centre.ray(sample), centre.rays.ray(0.5, 0.5));
+        assert_eq!(centre.ray(sample).0, centre.rays.ray(0.5, 0.5));
         let film = film(1, 1, 64);
-        let mean: Vec3 = film.samples(0..64).map(|s| film.ray(s).direction).sum::<Vec3>() / 64.0;
+        let mean: Vec3 = film.samples(0..64).map(|s| film.ray(s).0.direction).sum::<Vec3>() / 64.0;
         assert!((mean.x.abs() < 0.01) && (mean.y.abs() < 0.01), "{mean}");
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::order::TileOrder;
-use super::{Film, Pass};
+use super::{Film, Pass, cells_of_pixel};
 use crate::integrator::film_samples;
 
 /// Bits of what the samples of a pixel saw: something that shines, something else.
@@ -54,6 +54,7 @@ impl Film {
         let before = outlines.iter().map(|&pixel| std::mem::take(&mut self.sums[pixel as usize])).collect();
         self.layers.clear(&outlines);
         self.offsets = film_samples(samples);
+        self.cells = cells_of_pixel(samples as usize);
         self.outlines = Some(Outlines { spp: spp as u32, before });
         self.pass = Pass { pixels: Some(outlines), indices: 0..samples, done: 0 };
         self.seen = Vec::new();

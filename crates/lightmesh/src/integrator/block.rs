@@ -7,10 +7,10 @@ use glam::Vec3;
 use super::first_hits::FirstHits;
 use super::lit::LitVertices;
 use super::refine::LitHit;
-use super::surface::{Surface, Vertex, evaluate};
+use super::surface::{Surface, Vertex, evaluate_seen};
 use crate::bvh::Hit;
 use crate::film::{Film, Sample};
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::light_mesh::{IndirectField, IndirectReading, Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Aov, RenderOptions, Scene};
@@ -25,6 +25,8 @@ pub(crate) const MAX_LAYERS: u8 = 64;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WaveRay {
     ray: Ray,
+    /// What it stands for.
+    cone: Cone,
     /// Throughput: radiance at the film per unit of radiance along the ray.
     beta: Vec3,
     pixel: u32,
@@ -59,8 +61,8 @@ impl Block {
     pub(super) fn take_camera_rays(&mut self, film: &Film, samples: Range<u64>) {
         self.input.clear();
         self.input.extend(film.samples(samples).map(|sample: Sample| {
-            let ray = film.ray(sample);
-            WaveRay { ray, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
+            let (ray, cone) = film.ray(sample);
+            WaveRay { ray, cone, beta: Vec3::ONE, pixel: sample.pixel, depth: 0, layers: 0 }
         }));
     }
 
@@ -139,7 +141,7 @@ impl Block {
                 }
                 continue;
             };
-            let surface = evaluate(scene, &from.ray, hit);
+            let surface = evaluate_seen(scene, &from.ray, from.cone, hit);
             let beta = from.beta * surface.coverage;
             if first {
                 self.lamps.push((from.pixel, surface.lights != Vec3::ZERO && !scene.is_gathered(hit.target)));
@@ -205,17 +207,19 @@ fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, 
     if from.depth >= options.depth {
         return;
     }
-    let mut follow = |weight: Vec3, direction: Vec3| {
+    let cone = from.cone.after(hit.t);
+    let mut follow = |weight: Vec3, direction: Vec3, cone: Cone| {
         let beta = from.beta * surface.coverage * weight;
         if beta.max_element() > options.cutoff {
             let ray = surface.leave(direction);
-            next.push(WaveRay { ray, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
+            next.push(WaveRay { ray, cone, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
         }
     };
     if surface.mirror != Vec3::ZERO {
-        follow(surface.mirror, surface.mirrored(from.ray.direction));
+        let mirrored = surface.mirrored(from.ray.direction);
+        follow(surface.mirror, mirrored, cone.mirrored(from.ray.direction, mirrored));
     }
     if surface.refraction != Vec3::ZERO {
-        follow(surface.refraction, surface.refracted);
+        follow(surface.refraction, surface.refracted, cone);
     }
 }

@@ -7,6 +7,7 @@ mod block;
 mod by_light;
 mod direct;
 mod first_hits;
+mod footprint;
 mod lamps;
 mod lights_at;
 mod lit;

@@ -13,11 +13,11 @@ use super::lamps::{LampSampler, power_heuristic};
 use super::lights_at::LightsAt;
 use super::passes::{SumOrder, take_samples};
 use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
-use super::surface::{Surface, Vertex, evaluate};
+use super::surface::{Surface, Vertex, evaluate_seen};
 use super::watch::Watch;
 use crate::bvh::Hit;
 use crate::film::Film;
-use crate::geometry::Ray;
+use crate::geometry::{Cone, Ray};
 use crate::progress::Reporter;
 use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
 
@@ -99,7 +99,8 @@ impl PathBlock {
             .take_while(|_| !reporter.cancelled())
             .map(|s| {
                 let mut sampler = Sampler::new(options.seed, s.pixel, s.index);
-                (s.pixel, tracer.li(film.ray(s), s.pixel, &mut sampler))
+                let (ray, cone) = film.ray(s);
+                (s.pixel, tracer.li(ray, cone, s.pixel, &mut sampler))
             })
             .collect();
         reporter.add(count, tracer.rays.total());
@@ -169,6 +170,8 @@ enum Arrival {
 #[derive(Clone, Copy, Debug)]
 struct Walk {
     ray: Ray,
+    /// What it stands for: after a diffuse bounce nothing but itself.
+    cone: Cone,
     beta: Vec3,
     bounces: u32,
     arrival: Arrival,
@@ -186,14 +189,14 @@ fn part(bounces: u32, arrival: Arrival) -> Aov {
 
 impl PathTracer<'_> {
     /// An estimate of the radiance along a camera ray, cd/m².
-    fn li(&mut self, ray: Ray, pixel: u32, sampler: &mut Sampler) -> Radiance {
+    fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
-        self.follow(Walk { ray, beta: Vec3::ONE, bounces: 0, arrival: Arrival::Seen, pixel }, sampler)
+        self.follow(Walk { ray, cone, beta: Vec3::ONE, bounces: 0, arrival: Arrival::Seen, pixel }, sampler)
     }
 
     /// An estimate of what a path brings from here on.
     fn follow(&mut self, walk: Walk, sampler: &mut Sampler) -> Radiance {
-        let Walk { mut ray, mut beta, mut bounces, mut arrival, pixel } = walk;
+        let Walk { mut ray, mut cone, mut beta, mut bounces, mut arrival, pixel } = walk;
         let mut li = Radiance::default();
         let (mut depth, mut layers) = (0, 0);
         loop {
@@ -201,7 +204,7 @@ impl PathTracer<'_> {
                 li.add(part(bounces, arrival), beta * self.sky(&ray, arrival));
                 break;
             };
-            let surface = evaluate(self.scene, &ray, &hit);
+            let surface = evaluate_seen(self.scene, &ray, cone, &hit);
 
             // A surface that covers a part stops that part of the paths.
             if surface.coverage < 1.0 && sampler.choice() >= surface.coverage {
@@ -255,11 +258,16 @@ impl PathTracer<'_> {
                 depth = 0;
                 let pdf;
                 (ray, pdf) = self.bounce(&surface, sampler);
+                cone = Cone::POINT;
                 arrival = Arrival::Bounced { pdf };
                 self.rays.gather += 1;
             } else {
                 depth += 1;
                 let direction = if way == 1 { surface.mirrored(ray.direction) } else { surface.refracted };
+                cone = cone.after(hit.t);
+                if way == 1 {
+                    cone = cone.mirrored(ray.direction, direction);
+                }
                 ray = surface.leave(direction);
                 arrival = match (arrival, way) {
                     (Arrival::Seen, _) => Arrival::Seen,
@@ -288,7 +296,7 @@ impl PathTracer<'_> {
             let (ray, pdf) = self.bounce(surface, &mut sampler);
             self.rays.gather += 1;
             let arrival = Arrival::Bounced { pdf };
-            let part = self.follow(Walk { ray, bounces: 1, arrival, ..walk }, &mut sampler);
+            let part = self.follow(Walk { ray, cone: Cone::POINT, bounces: 1, arrival, ..walk }, &mut sampler);
             li.add_part(part, 1.0 / BRANCHES as f32);
         }
     }

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec4};
 use crate::Instance;
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Ray, TriangleMesh};
-use crate::scene::Scene;
+use crate::scene::{Footprint, Scene};
 
 /// The geometry of a hit, in world space.
 pub(super) struct Place {
@@ -20,6 +20,8 @@ pub(super) struct Place {
     pub front: bool,
     /// Texture coordinates of both sets.
     pub uvs: [Vec2; 2],
+    /// The part of the textures that is seen, in both sets.
+    pub footprints: [Footprint; 2],
     /// Linear RGBA of the vertices.
     pub color: Vec4,
     /// Index of the material.
@@ -33,7 +35,7 @@ pub(super) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
     if n.dot(reference) < 0.0 { -n } else { n }
 }
 
-/// Evaluates the geometry that `ray` hit.
+/// Evaluates the geometry that `ray` hit; footprints are left out.
 pub(super) fn locate(scene: &Scene, ray: &Ray, hit: &Hit) -> Place {
     match hit.target {
         Target::Triangle { instance, triangle } => locate_triangle(scene, ray, hit, instance, triangle),
@@ -59,7 +61,8 @@ pub(super) fn locate(scene: &Scene, ray: &Ray, hit: &Hit) -> Place {
 fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32, material: usize) -> Place {
     let front = outward.dot(ray.direction) < 0.0;
     let n = if front { outward } else { -outward };
-    Place { position, ng: n, n, extent, front, uvs: [uv; 2], color: Vec4::ONE, material, tangents: None }
+    let footprints = [Footprint::POINT; 2];
+    Place { position, ng: n, n, extent, front, uvs: [uv; 2], footprints, color: Vec4::ONE, material, tangents: None }
 }
 
 fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> Place {
@@ -94,7 +97,8 @@ fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle:
         mesh.colors[corners[0]] * b[0] + mesh.colors[corners[1]] * b[1] + mesh.colors[corners[2]] * b[2]
     };
     let uvs = [0, 1].map(|set| interpolate(&mesh.uvs[set], corners, b));
-    let mut place = Place { position, ng, n, extent, front, uvs, color, material: mesh.material, tangents: None };
+    let (footprints, material) = ([Footprint::POINT; 2], mesh.material);
+    let mut place = Place { position, ng, n, extent, front, uvs, footprints, color, material, tangents: None };
     if let Some(map) = scene.data().materials[mesh.material].normal_texture {
         let outward = if front { n } else { -n };
         let frame = if mesh.tangents.is_empty() {

@@ -2,11 +2,11 @@
 
 use glam::{Vec3, Vec4};
 
+use super::footprint::footprints;
 use super::place::{Place, locate};
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
-use crate::geometry::{Ray, offset_origin};
-use crate::scene::emitters::emission_of;
+use crate::geometry::{Cone, Ray, offset_origin};
 use crate::scene::{Decode, Material, Scene, TextureRef};
 
 /// A surface point that wants light: what a tracer needs to know of it.
@@ -84,9 +84,18 @@ impl Surface {
     }
 }
 
-/// Evaluates what `ray` hit.
+/// Evaluates what `ray` hit, its textures at a point.
 pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
     evaluate_at(scene, ray, &locate(scene, ray, hit))
+}
+
+/// Evaluates what `ray` hit, its colours averaged over what the cone about it sees. Normal maps and the maps of roughness, metal and
+/// transmission are looked up at a point: what they say acts on light through curves and thresholds, and the picture of a mean is not
+/// the mean of pictures.
+pub(crate) fn evaluate_seen(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> Surface {
+    let mut place = locate(scene, ray, hit);
+    place.footprints = footprints(scene, ray, cone, hit, &place);
+    evaluate_at(scene, ray, &place)
 }
 
 /// Evaluates the material at a place; the model is documented at [`Material`].
@@ -101,7 +110,7 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
     }
     // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area lights.
     let shines = place.front || material.double_sided;
-    let emission = if shines { emission_of(scene.data(), material, place.uvs) } else { Vec3::ZERO };
+    let emission = if shines { emission(scene, material, place) } else { Vec3::ZERO };
     let lambert = Surface { emission, lights: emission, diffuse: base, ..plain(place, n, coverage) };
     if material.is_lambert() {
         return lambert;
@@ -189,7 +198,7 @@ fn plain(place: &Place, n: Vec3, coverage: f32) -> Surface {
 /// Schlick's approximation with glTF's F0 and F90 (see [`Material`]).
 fn schlick(scene: &Scene, material: &Material, place: &Place, base: Vec3, metallic: f32, cos: f32) -> Vec3 {
     let specular = material.specular * linear_texture(scene, material.specular_texture, place).w;
-    let color = material.specular_color * color_texture(scene, material.specular_color_texture, place);
+    let color = material.specular_color * color_texture(scene, material.specular_color_texture, place).truncate();
     let ratio = (material.ior - 1.0) / (material.ior + 1.0);
     let f0 = ((ratio * ratio * color).min(Vec3::ONE) * specular).lerp(base, metallic);
     let f90 = Vec3::splat(specular + (1.0 - specular) * metallic);
@@ -207,22 +216,29 @@ fn coverage(material: &Material, alpha: f32) -> f32 {
 }
 
 fn base_color(scene: &Scene, material: &Material, place: &Place) -> Vec4 {
-    let texture = texture(scene, material.base_color_texture, place, Decode::Srgb);
+    let texture = color_texture(scene, material.base_color_texture, place);
     (material.base_color.extend(material.alpha) * place.color * texture).clamp(Vec4::ZERO, Vec4::ONE)
 }
 
-fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec3 {
-    texture(scene, texture_ref, place, Decode::Srgb).truncate()
+fn emission(scene: &Scene, material: &Material, place: &Place) -> Vec3 {
+    material.emission * color_texture(scene, material.emission_texture, place).truncate()
 }
 
-fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec4 {
-    texture(scene, texture_ref, place, Decode::Linear)
-}
-
-fn texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place, decode: Decode) -> Vec4 {
+/// A texture of colours, the mean over the footprint.
+fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
-    texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), decode)
+    let image = &scene.data().images[texture.image];
+    let (uv, footprint) = (r.transform.apply(place.uvs[r.uv_set]), place.footprints[r.uv_set]);
+    let footprint = footprint.transformed(&r.transform);
+    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), Decode::Srgb)
+}
+
+/// A texture of numbers, at a point.
+fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec4 {
+    let Some(r) = texture_ref else { return Vec4::ONE };
+    let texture = &scene.data().textures[r.texture];
+    texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), Decode::Linear)
 }
 
 /// The shading normal, turned by the normal map (glTF 2.0 §3.9.3).

@@ -1,9 +1,12 @@
 //! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
 
+use std::sync::OnceLock;
+
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
 use super::emitters::Emitters;
+use super::pyramid::Pyramid;
 use super::{AlphaMode, EmitterOptions, LightSamples, Material, SceneData, validate};
 use crate::Error;
 use crate::bvh::{SceneBvh, Target};
@@ -17,6 +20,7 @@ pub struct Scene {
     bvh: SceneBvh,
     frames: Vec<InstanceFrame>,
     emitters: Emitters,
+    pyramids: Vec<OnceLock<Pyramid>>,
     solid: Vec<bool>,
     all_solid: bool,
     warnings: Vec<String>,
@@ -70,8 +74,9 @@ impl Scene {
             .collect();
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
         let emitters = Emitters::new(&data, &bvh.bounds(), emitters)?;
+        let pyramids = data.images.iter().map(|_| OnceLock::new()).collect();
         let level = Level::new();
-        Ok(Self { emitters, all_solid: solid.iter().all(|&s| s), data, bvh, frames, solid, warnings, level })
+        Ok(Self { emitters, pyramids, all_solid: solid.iter().all(|&s| s), data, bvh, frames, solid, warnings, level })
     }
 
     /// The description it was built from, mended where [`Scene::warnings`] says so.
@@ -121,6 +126,12 @@ impl Scene {
 
     pub(crate) fn frame(&self, instance: u32) -> &InstanceFrame {
         &self.frames[instance as usize]
+    }
+
+    /// The smaller copies of an image of colours; made when they are first asked for, as most images of a large scene are far from
+    /// any one camera's view. In the asking thread alone: one that took other work meanwhile might ask for the same image.
+    pub(crate) fn pyramid(&self, image: usize) -> &Pyramid {
+        self.pyramids[image].get_or_init(|| Pyramid::new(&self.data.images[image]))
     }
 
     /// Whether a material stops every shadow ray.

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::{Aabb, Cone, Ray};
 
 /// How a camera maps directions to the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +113,21 @@ impl FilmRays {
         }
     }
 
+    /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies `aside` of the ray,
+    /// in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the axis, θ the angle to it.
+    pub(crate) fn cone(&self, ray: &Ray, width: f32, aside: Vec2) -> Cone {
+        let pixel = (self.dx.length() * self.dy.length()).sqrt();
+        let cos = ray.direction.dot(self.forward).max(0.0);
+        let aside = self.dx * aside.x + self.dy * aside.y;
+        if self.parallel {
+            return Cone { width: width * pixel, spread: 0.0, aside: aside / (width * pixel) };
+        }
+        let spread = width * pixel * cos * cos.sqrt();
+        // The derivative of the unit direction.
+        let aside = (aside - ray.direction * aside.dot(ray.direction)) * cos;
+        Cone { width: 0.0, spread, aside: aside / spread }
+    }
+
     /// How far `p` is along the axis that the camera looks along, metres.
     pub(crate) fn depth(&self, p: Vec3) -> f32 {
         (p - self.eye).dot(self.forward)
@@ -167,6 +182,22 @@ mod tests {
                 assert!((beside.x - position.x - pixels_per_metre).abs() < 1e-2);
             }
         }
+    }
+
+    /// The root of a pixel's solid angle, from the directions of its corners: across half a pixel each way.
+    #[test]
+    fn cones_are_as_wide_as_pixels() {
+        let pinhole = Camera::look_at(Vec3::new(3.0, 2.0, 5.0), Vec3::new(0.0, 1.0, 0.5), 1.2);
+        let film = pinhole.film(300, 200);
+        for (x, y) in [(150.0, 100.0), (10.0, 20.0), (299.0, 199.0)] {
+            let at = |x: f32, y: f32| film.ray(x, y).direction;
+            let (dx, dy) = (at(x + 0.5, y) - at(x - 0.5, y), at(x, y + 0.5) - at(x, y - 0.5));
+            let cone = film.cone(&film.ray(x, y), 0.5, Vec2::ZERO);
+            assert!((cone.width_at(2.0) / dx.cross(dy).length().sqrt() - 1.0).abs() < 1e-3);
+        }
+        let parallel = Camera { projection: Projection::Orthographic { xmag: 2.0, ymag: 1.0 }, ..pinhole };
+        let film = parallel.film(400, 200);
+        assert!((film.cone(&film.ray(3.0, 5.0), 0.5, Vec2::ZERO).width_at(7.0) - 0.005).abs() < 1e-7);
     }
 
     /// The vertical field of view spans the height: the angle between the top and bottom rays is `yfov`.

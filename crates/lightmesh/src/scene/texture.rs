@@ -57,7 +57,8 @@ pub struct Texture {
     pub wrap_s: Wrap,
     /// Vertically.
     pub wrap_t: Wrap,
-    /// Magnification filter; there are no mip levels, antialiasing is by samples.
+    /// How texels are combined. Colours are averaged over what a camera sample covers of them where that is more than a texel, if it
+    /// is [`Filter::Bilinear`].
     pub filter: Filter,
 }
 
@@ -104,20 +105,32 @@ pub struct TextureRef {
 impl Texture {
     /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
     pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: Decode) -> Vec4 {
-        let (w, h) = (image.width as i64, image.height as i64);
+        // One loop body for each way to store texels: many lookups make a picture.
+        match (&image.texels, decode) {
+            (Texels::Rgba32F(t), _) => self.combine(image, uv, |i| Vec4::from_array(t[i])),
+            (Texels::Rgba8(t), Decode::Linear) => self.combine(image, uv, |i| linear_from_bytes(t[i])),
+            (Texels::Rgba8(t), Decode::Srgb) => {
+                let table = srgb_table();
+                self.combine(image, uv, |i| linear_from_srgb_bytes(table, t[i]))
+            }
+        }
+    }
+
+    /// The texels about `uv`, as the filter says.
+    fn combine(&self, image: &ImageData, uv: Vec2, texel: impl Fn(usize) -> Vec4) -> Vec4 {
         let (x, y) = (uv.x * image.width as f32, uv.y * image.height as f32);
-        let texel = |i: i64, j: i64| {
-            let index = wrap(self.wrap_t, j, h) * image.width as usize + wrap(self.wrap_s, i, w);
-            decode.texel(&image.texels, index)
-        };
+        let column = |i: i64| wrap(self.wrap_s, i, image.width);
+        let row = |j: i64| wrap(self.wrap_t, j, image.height) * image.width as usize;
         match self.filter {
-            Filter::Nearest => texel(floor(x), floor(y)),
+            Filter::Nearest => texel(row(floor(y)) + column(floor(x))),
             Filter::Bilinear => {
                 let (x, y) = (x - 0.5, y - 0.5);
                 let (i, j) = (floor(x), floor(y));
                 let (fx, fy) = (x - i as f32, y - j as f32);
-                let top = texel(i, j).lerp(texel(i + 1, j), fx);
-                let bottom = texel(i, j + 1).lerp(texel(i + 1, j + 1), fx);
+                let (left, right) = (column(i), column(i + 1));
+                let (above, below) = (row(j), row(j + 1));
+                let top = texel(above + left).lerp(texel(above + right), fx);
+                let bottom = texel(below + left).lerp(texel(below + right), fx);
                 top.lerp(bottom, fy)
             }
         }
@@ -137,19 +150,27 @@ impl Decode {
     pub(super) fn texel(self, texels: &Texels, index: usize) -> Vec4 {
         match texels {
             Texels::Rgba32F(t) => Vec4::from_array(t[index]),
-            Texels::Rgba8(t) => {
-                let [r, g, b, a] = t[index];
-                let alpha = f32::from(a) / 255.0;
-                match self {
-                    Self::Linear => Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a)) / 255.0,
-                    Self::Srgb => {
-                        let lut = srgb_table();
-                        Vec4::new(lut[r as usize], lut[g as usize], lut[b as usize], alpha)
-                    }
-                }
-            }
+            Texels::Rgba8(t) => match self {
+                Self::Linear => linear_from_bytes(t[index]),
+                Self::Srgb => linear_from_srgb_bytes(srgb_table(), t[index]),
+            },
         }
     }
+}
+
+#[inline]
+fn linear_from_bytes([r, g, b, a]: [u8; 4]) -> Vec4 {
+    Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a)) / 255.0
+}
+
+#[inline]
+fn linear_from_srgb_bytes(table: &[f32; 256], [r, g, b, a]: [u8; 4]) -> Vec4 {
+    Vec4::new(table[r as usize], table[g as usize], table[b as usize], f32::from(a) / 255.0)
+}
+
+/// Linear value of an sRGB byte.
+pub(super) fn linear_from_byte(byte: u8) -> f32 {
+    srgb_table()[byte as usize]
 }
 
 /// Linear value of each sRGB byte (IEC 61966-2-1).
@@ -164,12 +185,33 @@ fn srgb_table() -> &'static [f32; 256] {
 }
 
 /// Floor as an integer; coordinates beyond ±2⁴⁰ (and NaN) count as 0, so that an absurd uv stays in range.
+#[inline]
 fn floor(x: f32) -> i64 {
-    if x.abs() < 1.1e12 { x.floor() as i64 } else { 0 }
+    if x.abs() < 1.1e12 {
+        let towards_zero = x as i64;
+        towards_zero - i64::from(x < towards_zero as f32)
+    } else {
+        0
+    }
+}
+
+/// The coordinate in the first period of the wrap mode, or itself where there is none.
+pub(super) fn fold(mode: Wrap, u: f32) -> f32 {
+    match mode {
+        Wrap::Repeat => u - u.floor(),
+        Wrap::MirroredRepeat => u - 2.0 * (0.5 * u).floor(),
+        Wrap::ClampToEdge => u,
+    }
 }
 
 /// The texel index in 0..n that `mode` gives index `i`.
-fn wrap(mode: Wrap, i: i64, n: i64) -> usize {
+#[inline]
+fn wrap(mode: Wrap, i: i64, n: u32) -> usize {
+    let n = i64::from(n);
+    // Most are inside, and divisions are slow.
+    if (0..n).contains(&i) {
+        return i as usize;
+    }
     let j = match mode {
         Wrap::Repeat => i.rem_euclid(n),
         Wrap::ClampToEdge => i.clamp(0, n - 1),

@@ -1,0 +1,164 @@
+//! Which part of its textures a cone sees where it meets a surface.
+
+use glam::{Affine3A, Vec2, Vec3};
+
+use super::place::Place;
+use crate::bvh::{Hit, Target};
+use crate::geometry::{Cone, Ray, Sphere};
+use crate::scene::{Footprint, Scene};
+use crate::{AlphaMode, Material};
+
+/// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer footprints are
+/// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
+const LEAST_COS: f32 = 1.0 / 32.0;
+
+/// The footprints in both sets of texture coordinates, of the cone about the ray that hit `place`. Surfaces of users have
+/// none, as they tell nothing of their coordinates' growth.
+///
+/// Nor have surfaces that are not opaque. The colour of a texel counts there as much as its alpha, and a mean of products is not the
+/// product of means: the black that painters leave between the leaves would darken their edges.
+pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place) -> [Footprint; 2] {
+    let material = &scene.data().materials[place.material];
+    if cone == Cone::POINT || !has_filtered_textures(material) {
+        return [Footprint::POINT; 2];
+    }
+    let length = ray.direction.length();
+    let section = Section::new(ray.direction / length, place.ng, cone, hit.t * length);
+    match hit.target {
+        Target::Triangle { instance, triangle } => {
+            let placed = &scene.data().instances[instance as usize];
+            let mesh = &scene.data().meshes[placed.mesh];
+            let [i, j, k] = mesh.triangles[triangle as usize];
+            let corners = (i as usize, j as usize, k as usize);
+            let edges = Edges::new(&placed.world_from_object, &mesh.positions, corners);
+            let [first, second] = &mesh.uvs;
+            [section.on(edges.growth(first, corners)), section.on(edges.growth(second, corners))]
+        }
+        Target::Sphere(i) => [section.on(growth_on_sphere(&scene.data().spheres[i as usize], place.position)); 2],
+        Target::Shape(_) => [Footprint::POINT; 2],
+    }
+}
+
+fn has_filtered_textures(material: &Material) -> bool {
+    let colors = [material.base_color_texture, material.emission_texture, material.specular_color_texture];
+    material.alpha_mode == AlphaMode::Opaque && colors.iter().any(Option::is_some)
+}
+
+/// Where a cone meets a plane: vectors in the plane that spread as the section does.
+struct Section {
+    /// As wide as the cone, across the plane of incidence.
+    across: Vec3,
+    /// Wider by 1 / cosθ, along it.
+    along: Vec3,
+    /// From the place that the ray hits to the middle.
+    aside: Vec3,
+}
+
+/// How much u and v grow along a vector: their gradients.
+type Growth = (Vec3, Vec3);
+
+impl Section {
+    /// With the plane of the unit normal `n`, so many metres along the unit direction `d`.
+    fn new(d: Vec3, n: Vec3, cone: Cone, distance: f32) -> Self {
+        let unit_across = n.cross(d).try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
+        let (width, cos) = (cone.width_at(distance), n.dot(d).abs().max(LEAST_COS));
+        let (across, along) = (unit_across * width, n.cross(unit_across) * (width / cos));
+        // What is perpendicular to d is seen in the plane, where it is as wide and as long as the section.
+        let (x, y) = (cone.aside.dot(unit_across), cone.aside.dot(d.cross(unit_across)) * n.dot(d).signum());
+        Self { across, along, aside: across * x + along * y }
+    }
+
+    fn on(&self, (u, v): Growth) -> Footprint {
+        let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
+        Footprint { sides: [along(self.across), along(self.along)], aside: along(self.aside) }
+    }
+}
+
+/// How a triangle's second and third barycentric coordinate grow.
+struct Edges(Growth);
+
+impl Edges {
+    /// Not at all where there is no area.
+    fn new(world_from_object: &Affine3A, positions: &[Vec3], (i, j, k): (usize, usize, usize)) -> Self {
+        let e1 = world_from_object.transform_vector3(positions[j] - positions[i]);
+        let e2 = world_from_object.transform_vector3(positions[k] - positions[i]);
+        let normal = e1.cross(e2);
+        let Some(n) = normal.try_normalize() else { return Self((Vec3::ZERO, Vec3::ZERO)) };
+        let per_area = 1.0 / normal.length();
+        Self((e2.cross(n) * per_area, n.cross(e1) * per_area))
+    }
+
+    /// Of texture coordinates; none where there are none.
+    fn growth(&self, uvs: &[Vec2], (i, j, k): (usize, usize, usize)) -> Growth {
+        if uvs.is_empty() {
+            return (Vec3::ZERO, Vec3::ZERO);
+        }
+        let Self((b, c)) = *self;
+        let (e1, e2) = (uvs[j] - uvs[i], uvs[k] - uvs[i]);
+        (b * e1.x + c * e2.x, b * e1.y + c * e2.y)
+    }
+}
+
+/// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, grown by the circle of latitude, and latitude over π
+/// towards the south. At a pole, where all longitudes meet, there are none.
+fn growth_on_sphere(sphere: &Sphere, position: Vec3) -> Growth {
+    use std::f32::consts::{PI, TAU};
+    let n = sphere.normal(position);
+    let parallel = (n.x * n.x + n.z * n.z).sqrt();
+    let Some(east) = Vec3::new(n.z, 0.0, -n.x).try_normalize() else { return (Vec3::ZERO, Vec3::ZERO) };
+    (east / (TAU * sphere.radius * parallel), east.cross(n) / (PI * sphere.radius))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The section of a cone whose axis is the ray: what a ray beside it, by the cone's width, meets of the plane.
+    #[test]
+    fn sections_are_what_rays_beside_meet() {
+        let n = Vec3::new(0.2, 0.9, -0.4).normalize();
+        for d in [Vec3::new(0.5, -0.7, 0.3), Vec3::new(0.9, -0.5, -0.1), -n, n] {
+            let d = d.normalize();
+            for aside in [d.any_orthonormal_vector(), d.cross(d.any_orthonormal_vector()) * 0.3] {
+                let cone = Cone { width: 0.01, spread: 0.02, aside };
+                let section = Section::new(d, n, cone, 2.0);
+                // The point 0.05 · aside beside the ray, moved along d into the plane.
+                let beside = aside * 0.05;
+                let met = beside - d * (beside.dot(n) / d.dot(n));
+                assert!((section.aside - met).length() < 1e-6, "{} {met}", section.aside);
+                assert!(section.across.dot(d).abs() < 1e-6 && section.along.dot(n).abs() < 1e-6);
+                assert!((section.along.length() * n.dot(d).abs() - 0.05).abs() < 1e-6);
+            }
+        }
+    }
+
+    /// Texture coordinates that are linear functions of the place, on a mirrored and stretched instance: the gradients are the functions'.
+    #[test]
+    fn gradients_of_linear_coordinates() {
+        let place = Affine3A::from_scale(Vec3::new(-2.0, 0.5, 3.0));
+        let positions = [Vec3::ZERO, Vec3::new(1.0, 0.2, 0.1), Vec3::new(0.3, 1.0, -0.4)];
+        let (u, v) = (Vec3::new(0.4, -0.2, 0.7), Vec3::new(-1.0, 0.3, 0.2));
+        let world = |i: usize| place.transform_point3(positions[i]);
+        let uvs = [0, 1, 2].map(|i| Vec2::new(world(i).dot(u), world(i).dot(v)));
+        let (du, dv) = Edges::new(&place, &positions, (0, 1, 2)).growth(&uvs, (0, 1, 2));
+        for edge in [world(1) - world(0), world(2) - world(1)] {
+            assert!((edge.dot(du) - edge.dot(u)).abs() < 1e-5 && (edge.dot(dv) - edge.dot(v)).abs() < 1e-5);
+        }
+        let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+        assert_eq!(Edges::new(&place, &line, (0, 1, 2)).growth(&uvs, (0, 1, 2)), (Vec3::ZERO, Vec3::ZERO));
+    }
+
+    /// A small step on a sphere changes its coordinates by as much as the gradients say.
+    #[test]
+    fn gradients_on_a_sphere() {
+        let sphere = Sphere { center: Vec3::new(1.0, 2.0, 3.0), radius: 2.0, material: 0 };
+        for n in [Vec3::new(0.3, 0.5, -0.4), Vec3::new(-0.6, -0.2, 0.1)] {
+            let at = |n: Vec3| sphere.center + n.normalize() * sphere.radius;
+            let (position, step) = (at(n), n.cross(Vec3::new(0.3, 0.1, 0.9)).normalize() * 2e-3);
+            let beside = sphere.center + (position + step - sphere.center).normalize() * sphere.radius;
+            let change = sphere.uv(beside) - sphere.uv(position);
+            let (du, dv) = growth_on_sphere(&sphere, position);
+            assert!((change - Vec2::new(step.dot(du), step.dot(dv))).length() < 1e-5, "{change}");
+        }
+    }
+}
