@@ -247,7 +247,7 @@ struct Size {
     decoded: u64,
     /// Of the texels that stay.
     kept: u64,
-    /// Of the smaller copies that lookups of colours may make of it later.
+    /// Of the smaller copies that the built scene has of colours.
     smaller: u64,
     /// Of the decoder's output and our conversion, on top while it works.
     transient: u64,

@@ -25,8 +25,8 @@ pub(crate) struct Film {
     seed: u64,
     /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
-    /// Cells of a pixel.
-    cells: Vec2,
+    /// Cells of a pixel in each direction, and how wide the square of a cell's area is, in pixels.
+    cells: (Vec2, f32),
     /// What is being sampled.
     pass: Pass,
     sums: Vec<Vec3>,
@@ -202,8 +202,9 @@ impl Film {
             offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
         }
         let ray = self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y);
-        let middle = ((offset * self.cells).floor() + 0.5) / self.cells;
-        (ray, self.rays.cone(&ray, 1.0 / (self.cells.x * self.cells.y).sqrt(), middle - offset))
+        let (cells, width) = self.cells;
+        let middle = ((offset * cells).floor() + 0.5) / cells;
+        (ray, self.rays.cone(&ray, width, middle - offset))
     }
 
     /// Adds one sample's radiance, or a part of it.
@@ -232,15 +233,17 @@ impl Film {
     }
 }
 
-/// The cells of a pixel with so many samples, in each direction: 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
+/// The cells of a pixel with so many samples, in each direction, and the width of a square of a cell's area, in pixels.
+/// 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
 ///
 /// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a (0, 2)-sequence has
 /// a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error against 256 point
 /// samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with point samples, 12.7%
 /// with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on outlines of surfaces.
-fn cells_of_pixel(spp: usize) -> Vec2 {
+fn cells_of_pixel(spp: usize) -> (Vec2, f32) {
     let k = spp.ilog2();
-    Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32)
+    let cells = Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32);
+    (cells, 1.0 / (cells.x * cells.y).sqrt())
 }
 
 #[cfg(test)]

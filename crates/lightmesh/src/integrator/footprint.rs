@@ -6,24 +6,19 @@ use super::place::Place;
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Cone, Ray, Sphere};
 use crate::scene::{Footprint, Scene};
-use crate::{AlphaMode, Material};
 
 /// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer footprints are
 /// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
 const LEAST_COS: f32 = 1.0 / 32.0;
 
-/// The footprints in both sets of texture coordinates, of the cone about the ray that hit `place`. Surfaces of users have
+/// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of users have
 /// none, as they tell nothing of their coordinates' growth.
-///
-/// Nor have surfaces that are not opaque. The colour of a texel counts there as much as its alpha, and a mean of products is not the
-/// product of means: the black that painters leave between the leaves would darken their edges.
 pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place) -> [Footprint; 2] {
     let material = &scene.data().materials[place.material];
-    if cone == Cone::POINT || !has_filtered_textures(material) {
+    if cone == Cone::POINT || material.averaged_textures() == [None; 3] {
         return [Footprint::POINT; 2];
     }
-    let length = ray.direction.length();
-    let section = Section::new(ray.direction / length, place.ng, cone, hit.t * length);
+    let section = Section::new(ray.direction, place.ng, cone, hit.t);
     match hit.target {
         Target::Triangle { instance, triangle } => {
             let placed = &scene.data().instances[instance as usize];
@@ -39,17 +34,10 @@ pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place:
     }
 }
 
-fn has_filtered_textures(material: &Material) -> bool {
-    let colors = [material.base_color_texture, material.emission_texture, material.specular_color_texture];
-    material.alpha_mode == AlphaMode::Opaque && colors.iter().any(Option::is_some)
-}
-
 /// Where a cone meets a plane: vectors in the plane that spread as the section does.
 struct Section {
-    /// As wide as the cone, across the plane of incidence.
-    across: Vec3,
-    /// Wider by 1 / cosθ, along it.
-    along: Vec3,
+    /// What two perpendicular diameters of the cone meet. Which two does not matter to how the section spreads.
+    diameters: (Vec3, Vec3),
     /// From the place that the ray hits to the middle.
     aside: Vec3,
 }
@@ -60,17 +48,18 @@ type Growth = (Vec3, Vec3);
 impl Section {
     /// With the plane of the unit normal `n`, so many metres along the unit direction `d`.
     fn new(d: Vec3, n: Vec3, cone: Cone, distance: f32) -> Self {
-        let unit_across = n.cross(d).try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
-        let (width, cos) = (cone.width_at(distance), n.dot(d).abs().max(LEAST_COS));
-        let (across, along) = (unit_across * width, n.cross(unit_across) * (width / cos));
-        // What is perpendicular to d is seen in the plane, where it is as wide and as long as the section.
-        let (x, y) = (cone.aside.dot(unit_across), cone.aside.dot(d.cross(unit_across)) * n.dot(d).signum());
-        Self { across, along, aside: across * x + along * y }
+        let cos = n.dot(d);
+        let along_d = d / cos.abs().max(LEAST_COS).copysign(cos);
+        // Moved along d, what is beside the ray meets the plane.
+        let meet = |beside: Vec3| beside - along_d * beside.dot(n);
+        let width = cone.width_at(distance);
+        let (x, y) = d.any_orthonormal_pair();
+        Self { diameters: (meet(x * width), meet(y * width)), aside: meet(cone.aside * width) }
     }
 
     fn on(&self, (u, v): Growth) -> Footprint {
         let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
-        Footprint { sides: [along(self.across), along(self.along)], aside: along(self.aside) }
+        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.aside) }
     }
 }
 
@@ -83,9 +72,12 @@ impl Edges {
         let e1 = world_from_object.transform_vector3(positions[j] - positions[i]);
         let e2 = world_from_object.transform_vector3(positions[k] - positions[i]);
         let normal = e1.cross(e2);
-        let Some(n) = normal.try_normalize() else { return Self((Vec3::ZERO, Vec3::ZERO)) };
-        let per_area = 1.0 / normal.length();
-        Self((e2.cross(n) * per_area, n.cross(e1) * per_area))
+        let area2 = normal.length_squared();
+        if area2 < f32::MIN_POSITIVE {
+            return Self((Vec3::ZERO, Vec3::ZERO));
+        }
+        let per_area = normal / area2;
+        Self((e2.cross(per_area), per_area.cross(e1)))
     }
 
     /// Of texture coordinates; none where there are none.
@@ -126,8 +118,9 @@ mod tests {
                 let beside = aside * 0.05;
                 let met = beside - d * (beside.dot(n) / d.dot(n));
                 assert!((section.aside - met).length() < 1e-6, "{} {met}", section.aside);
-                assert!(section.across.dot(d).abs() < 1e-6 && section.along.dot(n).abs() < 1e-6);
-                assert!((section.along.length() * n.dot(d).abs() - 0.05).abs() < 1e-6);
+                // A parallelogram as large as the square of the cone's width, seen at an angle.
+                let area = section.diameters.0.cross(section.diameters.1);
+                assert!((area.length() * n.dot(d).abs() - 0.0025).abs() < 1e-6 && area.cross(n).length() < 1e-6);
             }
         }
     }

@@ -1,12 +1,10 @@
 //! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
 
-use std::sync::OnceLock;
-
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
 use super::emitters::Emitters;
-use super::pyramid::Pyramid;
+use super::pyramid::{Pyramid, build_pyramids};
 use super::{AlphaMode, EmitterOptions, LightSamples, Material, SceneData, validate};
 use crate::Error;
 use crate::bvh::{SceneBvh, Target};
@@ -20,7 +18,7 @@ pub struct Scene {
     bvh: SceneBvh,
     frames: Vec<InstanceFrame>,
     emitters: Emitters,
-    pyramids: Vec<OnceLock<Pyramid>>,
+    pyramids: Vec<Pyramid>,
     solid: Vec<bool>,
     all_solid: bool,
     warnings: Vec<String>,
@@ -74,7 +72,7 @@ impl Scene {
             .collect();
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
         let emitters = Emitters::new(&data, &bvh.bounds(), emitters)?;
-        let pyramids = data.images.iter().map(|_| OnceLock::new()).collect();
+        let pyramids = build_pyramids(&data);
         let level = Level::new();
         Ok(Self { emitters, pyramids, all_solid: solid.iter().all(|&s| s), data, bvh, frames, solid, warnings, level })
     }
@@ -128,10 +126,9 @@ impl Scene {
         &self.frames[instance as usize]
     }
 
-    /// The smaller copies of an image of colours; made when they are first asked for, as most images of a large scene are far from
-    /// any one camera's view. In the asking thread alone: one that took other work meanwhile might ask for the same image.
+    /// The smaller copies of an image of colours.
     pub(crate) fn pyramid(&self, image: usize) -> &Pyramid {
-        self.pyramids[image].get_or_init(|| Pyramid::new(&self.data.images[image]))
+        &self.pyramids[image]
     }
 
     /// Whether a material stops every shadow ray.

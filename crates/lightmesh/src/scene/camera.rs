@@ -83,6 +83,7 @@ impl Camera {
             forward,
             dx: right * pixel,
             dy: up * -pixel,
+            pixel,
             center_x: 0.5 * width as f32,
             center_y: 0.5 * height as f32,
             parallel: matches!(self.projection, Projection::Orthographic { .. }),
@@ -97,6 +98,8 @@ pub struct FilmRays {
     forward: Vec3,
     dx: Vec3,
     dy: Vec3,
+    /// Their length.
+    pixel: f32,
     center_x: f32,
     center_y: f32,
     parallel: bool,
@@ -116,7 +119,7 @@ impl FilmRays {
     /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies `aside` of the ray,
     /// in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the axis, θ the angle to it.
     pub(crate) fn cone(&self, ray: &Ray, width: f32, aside: Vec2) -> Cone {
-        let pixel = (self.dx.length() * self.dy.length()).sqrt();
+        let pixel = self.pixel;
         let cos = ray.direction.dot(self.forward).max(0.0);
         let aside = self.dx * aside.x + self.dy * aside.y;
         if self.parallel {

@@ -45,8 +45,9 @@ impl Footprint {
         let area = a.perp_dot(b);
         let minor2 = (area * area / major2).max(1.0);
         let axis = if xx > yy { Vec2::new(major2 - yy, xy) } else { Vec2::new(xy, major2 - xx) };
-        let major = axis.normalize_or(Vec2::X) * major2.sqrt();
-        let count = (major2 / minor2).sqrt().round().clamp(1.0, MOST_TAPS);
+        let squared = axis.length_squared();
+        let major = if squared > 0.0 { axis * (major2 / squared).sqrt() } else { Vec2::new(major2.sqrt(), 0.0) };
+        let count = ((major2 / minor2).sqrt() + 0.5).min(MOST_TAPS);
         let (level, above) = level_of(minor2);
         Some(Taps { major: major / size, count: count as u32, level, above })
     }

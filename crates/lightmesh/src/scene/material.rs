@@ -126,6 +126,17 @@ impl Material {
         ]
     }
 
+    /// Those that are averaged over what a camera sample sees of them: colours, as they multiply light.
+    ///
+    /// None of surfaces that are not opaque. The colour of a texel counts there as much as its alpha, and a mean of products is not
+    /// the product of means: the black that painters leave between the leaves would darken their edges.
+    pub(crate) fn averaged_textures(&self) -> [Option<TextureRef>; 3] {
+        match self.alpha_mode {
+            AlphaMode::Opaque => [self.base_color_texture, self.emission_texture, self.specular_color_texture],
+            AlphaMode::Mask { .. } | AlphaMode::Blend => [None; 3],
+        }
+    }
+
     /// [`Material::textures`], in the same order, to be changed.
     pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 7] {
         [

@@ -1,9 +1,10 @@
 //! Smaller copies of an image, for lookups that average many of its texels.
 
 use glam::Vec4;
+use rayon::prelude::*;
 
 use super::texture::{Decode, linear_from_byte};
-use super::{ImageData, Texels};
+use super::{Filter, ImageData, SceneData, Texels};
 
 /// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before in
 /// each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level that it
@@ -15,6 +16,22 @@ use super::{ImageData, Texels};
 pub(crate) struct Pyramid {
     /// From level 1 on; the image itself is level 0.
     levels: Vec<ImageData>,
+}
+
+/// The pyramids of a checked scene's images, in their order; empty ones of those that are never averaged. Before the first picture and not
+/// when a lookup first wants one: threads would wait for each other, in the picture's time and
+/// not in that of the scene.
+pub(crate) fn build_pyramids(data: &SceneData) -> Vec<Pyramid> {
+    let mut wanted = vec![false; data.images.len()];
+    for r in data.materials.iter().flat_map(|material| material.averaged_textures()).flatten() {
+        let texture = &data.textures[r.texture];
+        wanted[texture.image] |= texture.filter == Filter::Bilinear;
+    }
+    let build = |(image, wanted): (&ImageData, &bool)| match wanted {
+        true => Pyramid::new(image),
+        false => Pyramid { levels: Vec::new() },
+    };
+    data.images.par_iter().zip(&wanted).map(build).collect()
 }
 
 impl Pyramid {
@@ -46,8 +63,7 @@ impl Pyramid {
 }
 
 impl ImageData {
-    /// Texels of all the smaller copies together that filtered lookups make of an image of colours of this size, when they first
-    /// need them. 8 × 2: 4 × 1, 2 × 1 and 1 × 1, 7 texels.
+    /// Texels of all the smaller copies together that a built scene has of an image of colours of this size. 8 × 2: 4 × 1, 2 × 1 and 1 × 1, 7 texels.
     pub fn pyramid_texels(width: u32, height: u32) -> u64 {
         let (mut width, mut height, mut texels) = (width.max(1), height.max(1), 0_u64);
         while width > 1 || height > 1 {
