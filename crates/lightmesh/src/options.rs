@@ -31,13 +31,12 @@ impl Method {
             Self::Standard | Self::Path => false,
         }
     }
-
 }
 
 /// Distance between neighbouring mesh points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// The longest edge of the scene's box / 64, for the indirect mesh / 30.
+    /// The longest edge of the scene's box / 64, for the indirect mesh / 30, with a bound on the error / 45.
     #[default]
     Auto,
     /// The longest edge of the scene's box divided by this; > 0.
@@ -52,6 +51,9 @@ impl Spacing {
     /// to the indirect mesh for the most part.
     pub(crate) const AUTO: f32 = 64.0;
     pub(crate) const AUTO_INDIRECT: f32 = 30.0;
+    /// Of the indirect mesh where there is a bound on the error: gather hits read its first level, whose light is half a cell off the
+    /// wall. Measured on the staircase at 5%, two refinements: bias +3.0% with 1/30, +2.6% with this.
+    pub(crate) const AUTO_INDIRECT_ERROR: f32 = 45.0;
 }
 
 /// The neighbourhood D_y of formula (3g).
@@ -295,7 +297,11 @@ impl RenderOptions {
             );
         }
         if self.knows_lights() && matches!(self.interpolation, Interpolation::Sphere { .. }) {
-            return bad("interpolation", "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear or nearest".into());
+            return bad(
+                "interpolation",
+                "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear or nearest"
+                    .into(),
+            );
         }
         for (option, falloff) in [("falloff", self.falloff), ("field-falloff", self.field_falloff)] {
             if let Falloff::ConstantPlusDistance { constant } = falloff

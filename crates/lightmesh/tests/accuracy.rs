@@ -210,6 +210,9 @@ fn options_that_do_not_go_together_are_refused() {
     refused(RenderOptions { refine: Some(1), ..options(Method::Paper) }, "refine");
     let sphere = Interpolation::Sphere { radius: 1.5 };
     refused(RenderOptions { interpolation: sphere, ..options(Method::Hybrid) }, "interpolation");
-    refused(RenderOptions { interpolation: Interpolation::Nearest, refine: Some(1), ..options(Method::Mesh) }, "interpolation");
+    refused(
+        RenderOptions { interpolation: Interpolation::Nearest, refine: Some(1), ..options(Method::Mesh) },
+        "interpolation",
+    );
     assert!(RenderOptions { spacing: Spacing::Auto, ..options(Method::Hybrid) }.validate().is_ok());
 }

@@ -99,7 +99,7 @@ pub(crate) struct RenderArgs {
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     spacing: Spacing,
-    /// Distance between points of the indirect mesh; auto is 1/30
+    /// Distance between points of the indirect mesh; auto is 1/30, with --error 1/45
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     indirect_spacing: Spacing,
     /// Rays that gather light at a point of the indirect mesh, 1 to 65536
@@ -256,5 +256,4 @@ mod tests {
         assert_eq!(parse(&["--exposure", "-3.5"]).unwrap().exposure, Exposure::Ev(-3.5));
         assert_eq!(parse(&["--environment-rotation", "-90"]).unwrap().emitters.environment_rotation, -90.0);
     }
-
 }

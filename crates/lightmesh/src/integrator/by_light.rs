@@ -90,7 +90,8 @@ impl ByLight {
         let (terms, sums) = (&mut self.terms, &mut self.sums);
         let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
         self.clear_rays();
-        let total = self.sums.iter().map(|block| block.mass).sum::<f32>() + self.terms.iter().map(|term| term.mass).sum::<f32>();
+        let total = self.sums.iter().map(|block| block.mass).sum::<f32>()
+            + self.terms.iter().map(|term| term.mass).sum::<f32>();
 
         // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
         let quantum = care.quantum * total;
@@ -203,9 +204,7 @@ impl ByLight {
             }
             let p = mass / total;
             let (lane, direction, weight, expected) = if entry < blocks {
-                let Some((lane, direction, factor, share)) =
-                    self.choose_in_block(scene, &receiver, entry, v)
-                else {
+                let Some((lane, direction, factor, share)) = self.choose_in_block(scene, &receiver, entry, v) else {
                     continue;
                 };
                 (lane, direction, factor / (p * share), sure[lane])
@@ -238,7 +237,11 @@ impl ByLight {
         let terms = lights.block_terms(scene.level(), receiver, block);
         let mass = |i: usize| {
             let lane = block * LANES + i;
-            if self.sums[block].terms >> i & 1 != 0 { 0.0 } else { lights.intensity(lane).element_sum() / 3.0 * terms[i].1 }
+            if self.sums[block].terms >> i & 1 != 0 {
+                0.0
+            } else {
+                lights.intensity(lane).element_sum() / 3.0 * terms[i].1
+            }
         };
         let masses: [f32; LANES] = std::array::from_fn(mass);
         let total: f32 = masses.iter().sum();

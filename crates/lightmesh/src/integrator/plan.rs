@@ -26,10 +26,7 @@ pub(crate) enum Shading {
     /// Light by light, with shadow rays as far as some care wants them.
     ByLight(Care),
     /// The mesh as control variate of so many shadow rays.
-    Unbiased {
-        rays: u32,
-        seed: u32,
-    },
+    Unbiased { rays: u32, seed: u32 },
 }
 
 /// How surfaces take their indirect light.

@@ -34,7 +34,7 @@ const HITS: std::ops::RangeInclusive<u64> = 2048..=32768;
 const DEFAULT_BOUND: f64 = 0.05;
 
 /// The part of the bound that each mesh may use up. Empirical: the rest is for noise and for direct light.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.35;
 
 /// The part of the memory limit at which refining ends.
 const MEMORY_SHARE: f64 = 0.5;
@@ -50,12 +50,15 @@ pub(super) fn refine(
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
     let rounds = frame.options.refinements();
-    if rounds == 0 {
+    let is_direct = frame.is_direct();
+    // Exact light has no mesh to refine.
+    let refines_direct = matches!(frame.plan.seen, Shading::MeanVisibility | Shading::ByLight(_));
+    if rounds == 0 || (is_direct && !refines_direct) {
         return Ok(());
     }
-    let pixels = film.draw(frame.options.seed, 2, (film.pixel_count() / PIXELS_PER_HIT).clamp(*HITS.start(), *HITS.end()));
+    let pixels =
+        film.draw(frame.options.seed, 2, (film.pixel_count() / PIXELS_PER_HIT).clamp(*HITS.start(), *HITS.end()));
     let plan = frame.plan;
-    let is_direct = frame.is_direct();
     let mut look = |frame: &mut WaveFrame<'_>, plan: Plan, stats: &mut RenderStats| {
         let mut film = film.of_pixels(pixels.clone(), 1);
         let reporter = Reporter::new(watch.progress, Stage::Check, film.sample_count());
@@ -86,8 +89,9 @@ pub(super) fn refine(
         let budget = (MEMORY_SHARE * frame.options.max_memory as f64) as u64;
         let most = bound * bound * pixels.len() as f64;
         let mut refined = 0;
-        if matches!(plan.seen, Shading::MeanVisibility | Shading::ByLight(_)) {
-            let fit = budget.saturating_sub(mesh.direct.stats().bytes) / (POINTS_PER_CELL * mesh.direct.bytes_per_point());
+        if refines_direct {
+            let fit =
+                budget.saturating_sub(mesh.direct.stats().bytes) / (POINTS_PER_CELL * mesh.direct.bytes_per_point());
             refined += refine_worst(mesh.direct.points_mut(), &errors(|hit| hit.direct), most, fit);
         }
         if let Some(field) = &mut mesh.indirect {

@@ -75,7 +75,9 @@ impl Level {
         }
         let is_refined = |k: usize| {
             let (brick, local) = lattice::split(corner(cell, k));
-            self.refined.get(&self.lattice.brick_index(brick)).is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
+            self.refined
+                .get(&self.lattice.brick_index(brick))
+                .is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
         };
         (0..8).map(|k| u8::from(is_refined(k)) << k).sum()
     }

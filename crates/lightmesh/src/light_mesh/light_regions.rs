@@ -49,7 +49,11 @@ impl LightRegions {
     pub(super) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         let samples = scene.lights();
         // What is known light by light is known of samples.
-        let tree = match options.method.has_mesh() && !options.knows_lights() && options.light_error > 0.0 && samples.len() > FEW {
+        let tree = match options.method.has_mesh()
+            && !options.knows_lights()
+            && options.light_error > 0.0
+            && samples.len() > FEW
+        {
             false => None,
             true => {
                 // Blocks of the packed lights, the front and its successor.

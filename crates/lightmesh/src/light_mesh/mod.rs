@@ -34,8 +34,8 @@ pub(crate) use direct::{DirectField, LightsReading, Reading};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
 pub(crate) use marks::Marks;
-pub(crate) use points::Points;
 use neighbourhood::Neighbourhood;
+pub(crate) use points::Points;
 pub(crate) use reader::Sight;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
@@ -64,6 +64,7 @@ impl LightMesh {
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
         let neighbourhood = Neighbourhood::new(options.method, options.interpolation);
+        let indirect_auto = if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT };
         let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing serves it.
@@ -82,7 +83,7 @@ impl LightMesh {
         let meshes = options.method.has_mesh();
         let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
         let indirect = match wants_indirect {
-            true => Some(lattices("indirect-spacing", options.indirect_spacing, Spacing::AUTO_INDIRECT)?),
+            true => Some(lattices("indirect-spacing", options.indirect_spacing, indirect_auto)?),
             false => None,
         };
         let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
