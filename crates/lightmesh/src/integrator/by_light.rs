@@ -52,10 +52,7 @@ pub(crate) enum Trust {
 }
 
 impl Care {
-    /// That of the hybrid method. Measured at 1/80 of the longest edge, error against exact light and shadow rays per hit for the room
-    /// with 15 and 100 lights and for Sponza: without `much` 1.1, 0.4, 4.7% and 1.4, 9.1, 3.3 rays; with 0.25 of it 1.0, 0.4, 2.4%
-    /// and 2.2, 9.3, 4.0; a quantum of 0.003 then leaves the errors and 2.2, 6.8, 3.8 rays, one of 0.02 makes them 1.1, 1.0, 2.7%
-    /// with 1.9, 2.5, 2.6.
+    /// That of the hybrid method: docs/accuracy.md has what each rule costs and brings.
     pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: 0.18, trust: Trust::Agreed };
 }
 
