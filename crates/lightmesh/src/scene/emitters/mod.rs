@@ -18,7 +18,6 @@ mod environment;
 mod table;
 
 pub(crate) use area::AreaLights;
-pub(crate) use element::emission_of;
 pub(crate) use environment::EnvironmentLight;
 
 use glam::Vec3;
