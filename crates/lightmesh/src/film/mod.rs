@@ -189,9 +189,9 @@ impl Film {
         })
     }
 
-    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the pixel's centre; more are the points of one Sobol set,
-    /// whose digits are scrambled by the pixel's own bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002):
-    /// strata stay strata.
+    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the
+    /// pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own bits (Kollig and Keller,
+    /// "Efficient Multidimensional Sampling", 2002): strata stay strata.
     pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
@@ -236,9 +236,9 @@ impl Film {
 /// The cells of a pixel with so many samples, in each direction, and the width of a square of a cell's area, in pixels.
 /// 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
 ///
-/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a (0, 2)-sequence has
-/// a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error against 256 point
-/// samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with point samples, 12.7%
+/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a
+/// (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error
+/// against 256 point /// samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with point samples, 12.7%
 /// with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on outlines of surfaces.
 fn cells_of_pixel(spp: usize) -> (Vec2, f32) {
     let k = spp.ilog2();

@@ -11,11 +11,11 @@ use crate::scene::{Footprint, Scene};
 /// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
 const LEAST_COS: f32 = 1.0 / 32.0;
 
-/// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of users have
-/// none, as they tell nothing of their coordinates' growth.
+/// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of
+/// users have none, as they tell nothing of their coordinates' growth.
 pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place) -> [Footprint; 2] {
     let material = &scene.data().materials[place.material];
-    if cone == Cone::POINT || material.averaged_textures() == [None; 3] {
+    if !material.has_averaged_textures() || cone == Cone::POINT {
         return [Footprint::POINT; 2];
     }
     let section = Section::new(ray.direction, place.ng, cone, hit.t);

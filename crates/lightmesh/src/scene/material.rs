@@ -137,6 +137,13 @@ impl Material {
         }
     }
 
+    /// Whether there is one of [`Material::averaged_textures`].
+    pub(crate) fn has_averaged_textures(&self) -> bool {
+        let Self { base_color_texture, emission_texture, specular_color_texture, .. } = self;
+        self.alpha_mode == AlphaMode::Opaque
+            && (base_color_texture.is_some() || emission_texture.is_some() || specular_color_texture.is_some())
+    }
+
     /// [`Material::textures`], in the same order, to be changed.
     pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 7] {
         [

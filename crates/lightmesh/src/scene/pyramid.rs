@@ -63,7 +63,8 @@ impl Pyramid {
 }
 
 impl ImageData {
-    /// Texels of all the smaller copies together that a built scene has of an image of colours of this size. 8 × 2: 4 × 1, 2 × 1 and 1 × 1, 7 texels.
+    /// Texels of all the smaller copies together that a built scene has of an image of colours of this size. 8 × 2:
+    /// 4 × 1, 2 × 1 and 1 × 1, 7 texels.
     pub fn pyramid_texels(width: u32, height: u32) -> u64 {
         let (mut width, mut height, mut texels) = (width.max(1), height.max(1), 0_u64);
         while width > 1 || height > 1 {

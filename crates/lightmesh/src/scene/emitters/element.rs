@@ -77,7 +77,7 @@ impl Element {
 }
 
 /// The luminance that a material emits, cd/m² per channel.
-pub(crate) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2]) -> Vec3 {
+pub(super) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2]) -> Vec3 {
     let Some(r) = material.emission_texture else { return material.emission };
     let texture = &data.textures[r.texture];
     let texel = texture.sample(&data.images[texture.image], r.transform.apply(uvs[r.uv_set]), Decode::Srgb);
