@@ -27,8 +27,12 @@ use crate::geometry::Ray;
 use crate::light_mesh::Agreement;
 use crate::scene::{BlockSum, LANES, Receiver, Scene, Term};
 
-/// The doubt that is left where all points agree, in units of the standard deviation of a visibility.
+/// The doubt that is left where all points agree, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
+/// the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
 const DOUBT: f32 = 0.08;
+
+/// The standard deviation that the visibility of a doubtful light is taken to have at least. Without it 3.2 / 6.7%.
+const DOUBTFUL: f32 = 0.3;
 
 /// How much of the light at a surface the mesh is believed about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +181,8 @@ impl ByLight {
             let v = agreement.estimate(term);
             sum += c * v;
             estimates.push(v);
-            masses.push(term.mass * ((v * (1.0 - v)).sqrt() + DOUBT));
+            let least = if term.index.is_some() { 0.0 } else { DOUBTFUL };
+            masses.push(term.mass * ((v * (1.0 - v)).sqrt().max(least) + DOUBT));
         }
         let total: f32 = self.masses.iter().sum();
         if !(total > 0.0) {
