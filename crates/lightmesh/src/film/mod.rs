@@ -98,7 +98,7 @@ impl Film {
             order: self.order,
             seed: self.seed,
             offsets: self.offsets.clone(),
-            cells: self.cells.clone(),
+            cells: self.cells,
             pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0 },
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),

@@ -133,7 +133,7 @@ impl ByLight {
                 let lane = block * LANES + i;
                 let c = lights.intensity(lane) * factor;
                 let mass = c.element_sum() / 3.0;
-                if !(mass > 0.0) || terms >> i & 1 != 0 {
+                if mass <= 0.0 || terms >> i & 1 != 0 {
                     continue;
                 }
                 let weight = if mass >= much {
@@ -185,7 +185,7 @@ impl ByLight {
             masses.push(term.mass * ((v * (1.0 - v)).sqrt().max(least) + DOUBT));
         }
         let total: f32 = self.masses.iter().sum();
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return (sum, 0);
         }
 
@@ -201,7 +201,7 @@ impl ByLight {
                 entry += 1;
             }
             let mass = self.masses[entry];
-            if !(mass > 0.0) {
+            if mass <= 0.0 {
                 continue;
             }
             let p = mass / total;

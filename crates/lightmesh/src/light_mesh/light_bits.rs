@@ -75,7 +75,7 @@ mod tests {
         let tinted = Vec3::new(1.0, 0.5, 1.0);
         // Lanes 68 and 69 are padding; 2 was not asked about.
         let packed = bits.pack(&[0, 1, 65, 66], &[Vec3::ONE, Vec3::ZERO, Vec3::ONE, tinted], &[0, 0b11 << 4]);
-        bits.push(&vec![0; 4]);
+        bits.push(&[0; 4]);
         bits.push(&packed);
         let (seen, open) = bits.rows(1);
         let state = |lane: usize| (seen[lane / 64] >> (lane % 64) & 1, open[lane / 64] >> (lane % 64) & 1);
