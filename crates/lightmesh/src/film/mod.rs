@@ -238,8 +238,9 @@ impl Film {
 ///
 /// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a
 /// (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error
-/// against 256 point /// samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with point samples, 12.7%
-/// with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on outlines of surfaces.
+/// against 256 point samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with
+/// point samples, 12.7% with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on
+/// outlines of surfaces.
 fn cells_of_pixel(spp: usize) -> (Vec2, f32) {
     let k = spp.ilog2();
     let cells = Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32);

@@ -18,9 +18,8 @@ pub(crate) struct Pyramid {
     levels: Vec<ImageData>,
 }
 
-/// The pyramids of a checked scene's images, in their order; empty ones of those that are never averaged. Before the first picture and not
-/// when a lookup first wants one: threads would wait for each other, in the picture's time and
-/// not in that of the scene.
+/// The pyramids of a checked scene's images, in their order; empty ones of those that are never averaged. They are built with the
+/// scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for it.
 pub(crate) fn build_pyramids(data: &SceneData) -> Vec<Pyramid> {
     let mut wanted = vec![false; data.images.len()];
     for r in data.materials.iter().flat_map(|material| material.averaged_textures()).flatten() {
