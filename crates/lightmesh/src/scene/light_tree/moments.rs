@@ -59,7 +59,7 @@ impl Node {
             let axis = mean.normalize_or(place(&leaves[0]));
             let sums = CHANNELS.map(|channel| sum(leaves, |leaf| place(leaf) * channel(leaf)));
             let lost = CHANNELS.iter().zip(sums).map(|(channel, across)| {
-                sum(leaves, channel) - across.length() + (across - axis * across.dot(axis)).length()
+                sum(leaves, channel) - across.length() + (across - axis * across.dot(axis).max(0.0)).length()
             });
             node.colour = up(lost.sum());
             luminaire.place = axis.as_vec3();
