@@ -269,7 +269,7 @@ fn layers_of_a_mesh_need_one() {
             let options = RenderOptions { aovs: [aov].into_iter().collect(), ..options(method) };
             let mut mesh = LightMesh::new(&scene, &RenderOptions::default()).expect("mesh");
             let error = render(&scene, &room_camera(), &options, &mut mesh, &()).expect_err("no mesh").to_string();
-            assert!(error.contains(aov.name()) && error.contains("mesh and paper"), "{error}");
+            assert!(error.contains(aov.name()) && error.contains("standard and path do not"), "{error}");
         }
     }
 }
