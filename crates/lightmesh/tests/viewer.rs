@@ -171,7 +171,7 @@ fn the_limit_is_kept() {
     for method in METHODS {
         let time_limit = Some(Duration::from_millis(500));
         let aovs = [Aov::Direct, Aov::Indirect].into_iter().collect();
-        let options = RenderOptions { spp: 65536, bounces: 1, time_limit, aovs, ..options(method) };
+        let options = RenderOptions { spp: 65536, bounces: 1, gather_rays: 16, time_limit, aovs, ..options(method) };
         let started = Instant::now();
         let frame = shoot(&scene, &room_camera(), &options);
         let seconds = started.elapsed().as_secs_f64();

@@ -39,6 +39,6 @@ fn layers_that_cannot_be_had_are_refused() {
     refused("-o a.exr --aov albedo,,depth", &["--aov"]);
     refused("-o a.exr --aov", &["--aov"]);
     refused("-o a.png --aov depth", &["--aov", ".exr"]);
-    refused("-o a.exr --aov points --method path", &["aov", "points", "mesh and paper"]);
+    refused("-o a.exr --aov points --method path", &["aov", "points", "standard and path"]);
     refused("-o a.exr --size 1000x1000 --max-memory 39MB --aov albedo", &["memory", "--aov"]);
 }
