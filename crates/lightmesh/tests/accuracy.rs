@@ -42,6 +42,9 @@ fn hybrid_is_nearly_exact() {
     let [mesh_error, hybrid_error] = [&mesh, &hybrid].map(|frame| relrmse(&frame.image, &truth.image));
     assert!(hybrid_error < 0.02 && hybrid_error < 0.3 * mesh_error, "{hybrid_error}, mesh {mesh_error}");
     assert!(hybrid.stats.rays.shadow < truth.stats.rays.shadow);
+    // What is left to chance is left to the seed.
+    let other = shoot(&scene, &room_camera(), &RenderOptions { seed: 7, ..options(Method::Hybrid) });
+    assert_ne!(other.image, hybrid.image);
 }
 
 /// Where the pictures of 64 seeds are independent estimates of the truth, the mean of each tile's light is off by z standard errors

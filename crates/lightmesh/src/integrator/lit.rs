@@ -101,8 +101,8 @@ impl LitVertices {
             let vertex = &vertices[i as usize];
             let (irradiance, rays) = match (reader.read_lights(vertex, marks), shading) {
                 (LightsReading::Empty, _) => return true,
-                (LightsReading::Agreement(agreement), Shading::ByLight(care)) => {
-                    let seed = seed_of_place(vertex.position);
+                (LightsReading::Agreement(agreement), Shading::ByLight { care, seed }) => {
+                    let seed = seed ^ seed_of_place(vertex.position);
                     by_light.with_care(scene, falloff, vertex, agreement, (care, seed))
                 }
                 // More rays than lights: each gets its own.
@@ -162,7 +162,7 @@ impl DirectLighting<'_, '_> {
         let mut seconds = LightSeconds::default();
         match shading {
             Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
-            Shading::ByLight(_) | Shading::Unbiased { .. } => lists.iter_mut().for_each(|list| list.await_all()),
+            Shading::ByLight { .. } | Shading::Unbiased { .. } => lists.iter_mut().for_each(|list| list.await_all()),
             Shading::MeanVisibility => {
                 let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
                 let sums = self.field.lights_mut().irradiance(scene, falloff, &vertices.collect::<Vec<_>>());

@@ -24,7 +24,7 @@ pub(crate) enum Shading {
     /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
     MeanVisibility,
     /// Light by light, with shadow rays as far as some care wants them.
-    ByLight(Care),
+    ByLight { care: Care, seed: u32 },
     /// The mesh as control variate of so many shadow rays.
     Unbiased { rays: u32, seed: u32 },
 }
@@ -41,6 +41,13 @@ pub(crate) enum Indirect {
     },
 }
 
+impl Shading {
+    /// Light by light, seeded as the options say.
+    pub(super) fn by_light(care: Care, options: &RenderOptions) -> Self {
+        Self::ByLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
+    }
+}
+
 impl Plan {
     /// What the method says.
     pub(crate) fn of(options: &RenderOptions) -> Self {
@@ -50,7 +57,7 @@ impl Plan {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
             Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
             Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
-            Method::Hybrid => (Shading::ByLight(Care::HYBRID), unbiased(1)),
+            Method::Hybrid => (Shading::by_light(Care::HYBRID, options), unbiased(1)),
             Method::Unbiased => (unbiased(options.rays), unbiased(1)),
         };
         Self { seen, gathered, indirect: Indirect::Mesh }

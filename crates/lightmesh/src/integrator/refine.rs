@@ -52,7 +52,7 @@ pub(super) fn refine(
     let rounds = frame.options.refinements();
     let is_direct = frame.is_direct();
     // Exact light has no mesh to refine.
-    let refines_direct = matches!(frame.plan.seen, Shading::MeanVisibility | Shading::ByLight(_));
+    let refines_direct = matches!(frame.plan.seen, Shading::MeanVisibility | Shading::ByLight { .. });
     if rounds == 0 || (is_direct && !refines_direct) {
         return Ok(());
     }
