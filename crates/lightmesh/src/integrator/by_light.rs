@@ -12,10 +12,8 @@
 //!
 //! With p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`DOUBT`]): the standard deviation of a visibility that is 1 with probability V̂_j, and some for lights
 //! that all points agree about. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct Illumination" (EGSR 2008),
-//! estimate the visibility of an environment from that at points nearby, as a control variate too. There the points are earlier
-//! hits in the picture, which must be gathered around each pixel, and V̂ also steers importance sampling by visibility; here they are
-//! points of the mesh, known by light, at no cost per pixel, and V̂ steers sampling by *doubt*: a light that is surely seen needs no
-//! ray.
+//! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which
+//! know lights one by one and serve every camera, and V̂ steers sampling by *doubt*: a light that is surely seen needs no ray.
 
 use glam::Vec3;
 
