@@ -15,6 +15,7 @@
 //! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which
 //! know lights one by one and serve every camera, and V̂ steers sampling by *doubt*: a light that is surely seen needs no ray.
 
+use fearless_simd::Simd;
 use glam::Vec3;
 
 use super::Vertex;
@@ -23,7 +24,7 @@ use super::visibility::{VisibilityScratch, visibility};
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::light_mesh::Agreement;
-use crate::scene::{BlockSum, LANES, Receiver, Scene, Term};
+use crate::scene::{BlockTerms, LANES, LightTerms, Receiver, Scene};
 
 /// The doubt that is left where all points agree, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
 /// the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
@@ -58,142 +59,191 @@ impl Care {
     pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: 0.18, trust: Trust::Agreed };
 }
 
-/// Buffers, one set per worker, kept between calls.
+/// Rays that wait to be shot, at most, but for those of one surface.
+const RAYS: usize = 4096;
+
+/// Buffers, one set per worker, kept between calls. Rays of many surfaces are shot together.
 #[derive(Debug, Default)]
 pub(super) struct ByLight {
-    terms: Vec<Term>,
-    /// What is chosen among, and how likely: first the terms, then the blocks of lights that are agreed about.
-    masses: Vec<f32>,
-    sums: Vec<BlockSum>,
-    estimates: Vec<f32>,
-    /// What each ray's visibility is multiplied with, and the visibility that is expected of it.
-    weights: Vec<Vec3>,
-    expected: Vec<f32>,
+    terms: LightTerms,
     rays: Vec<Ray>,
+    waiting: Vec<Waiting>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
+    /// What is chosen among, and how likely: first the blocks' lights that are agreed about, then the others.
+    masses: Vec<f32>,
+    singles: Vec<Single>,
+}
+
+/// What is done with a ray's visibility V: weight · (V − expected) is added to the light of a surface.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    weight: Vec3,
+    expected: f32,
+    surface: u32,
+}
+
+/// A light that is not agreed about, and what is expected of it.
+#[derive(Clone, Copy, Debug)]
+struct Single {
+    block: u32,
+    i: u32,
+    v: f32,
+}
+
+/// What is lit.
+#[derive(Clone, Copy)]
+pub(super) struct Lit<'a> {
+    pub scene: &'a Scene,
+    pub falloff: Falloff,
+    pub vertex: &'a Vertex,
+    /// Its number among those that are lit together.
+    pub surface: u32,
+    /// Of the points around it.
+    pub agreement: &'a Agreement,
+    pub seed: u32,
+}
+
+impl Lit<'_> {
+    fn receiver(&self) -> Receiver {
+        let Vertex { position, n, ng, .. } = *self.vertex;
+        Receiver { position, n, ng, doubt: self.agreement.doubt, falloff: self.falloff }
+    }
+
+    /// The i-th random number, in [0, 1).
+    fn random(&self, i: u32) -> f32 {
+        (hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+    }
 }
 
 impl ByLight {
-    /// Direct irradiance, lux per channel, with rays to the lights that are disputed or give much; and how many rays these were.
-    pub(super) fn with_care(
-        &mut self,
-        scene: &Scene,
-        falloff: Falloff,
-        vertex: &Vertex,
-        agreement: &Agreement,
-        (care, seed): (Care, u32),
-    ) -> (Vec3, u64) {
-        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
-        let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let (terms, sums) = (&mut self.terms, &mut self.sums);
-        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
-        self.clear_rays();
-        let total = self.sums.iter().map(|block| block.mass).sum::<f32>()
-            + self.terms.iter().map(|term| term.mass).sum::<f32>();
+    /// Direct irradiance, lux per channel, as far as it is known; rays to the lights that are disputed or give much wait for
+    /// [`ByLight::shoot`].
+    #[inline(always)]
+    pub(super) fn with_care<S: Simd>(&mut self, simd: S, lit: Lit<'_>, care: Care) -> Vec3 {
+        let Lit { scene, agreement, .. } = lit;
+        let lights = scene.lights();
+        let mut terms = std::mem::take(&mut self.terms);
+        let (mut sum, total) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
 
-        // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
-        let quantum = care.quantum * total;
-        let mut next = quantum * random(seed, 0);
-        for term in &self.terms {
-            let v = agreement.estimate(term);
-            let lane = term.lane as usize;
-            let c = lights.intensity(lane) * term.factor;
-            let doubt = term.mass * if term.index.is_some() { 2.0 * (v * (1.0 - v)).sqrt() } else { 1.0 };
-            let (weight, expected) = if doubt >= quantum {
-                (c, 0.0)
-            } else {
-                sum += c * v;
-                next -= doubt;
-                if next >= 0.0 {
+        let (quantum, much) = (care.quantum * total, care.much * total);
+        // How much doubt, and how much of what is agreed about, goes by until the next ray.
+        let mut next_doubt = quantum * lit.random(0);
+        let mut next = if care.trust == Trust::Agreed { f32::INFINITY } else { much * lit.random(1) };
+        let mut dispute = 0;
+        for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.disputed()).enumerate() {
+            let first = at * LANES;
+            let mut agreed = block.mass;
+
+            // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
+            let singles = disputed | block.doubtful;
+            for i in ones(singles) {
+                let is_disputed = disputed >> i & 1 != 0;
+                let number = dispute;
+                dispute += usize::from(is_disputed);
+                let mass = block.masses[i];
+                if mass <= 0.0 {
                     continue;
                 }
-                next += quantum;
-                (c * (quantum / doubt), v)
-            };
-            self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(term.direction)));
-            self.weights.push(weight);
-            self.expected.push(expected);
-        }
+                agreed -= mass;
+                let c = lights.intensity(first + i) * block.factors[i];
+                let (v, doubt) = if is_disputed {
+                    let v = agreement.estimate(number);
+                    sum += c * v;
+                    (v, 2.0 * mass * (v * (1.0 - v)).sqrt())
+                } else {
+                    (agreement.sure[first + i], mass)
+                };
+                let mut weight = c;
+                if doubt < quantum {
+                    next_doubt -= doubt;
+                    if next_doubt >= 0.0 {
+                        continue;
+                    }
+                    next_doubt += quantum;
+                    weight *= quantum / doubt;
+                }
+                self.want(lit, block, (first, i), weight, v);
+            }
 
-        // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each such
-        // part of the light.
-        let much = care.much * total;
-        let mut next = if care.trust == Trust::Agreed { f32::INFINITY } else { much * random(seed, 1) };
-        for block in 0..self.sums.len() {
-            let BlockSum { mass, terms } = self.sums[block];
-            if mass < much && mass <= next {
-                next -= mass;
+            // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each
+            // such part of the light.
+            let giving = block.giving(simd, much) & !singles;
+            if giving == 0 && agreed <= next {
+                next -= agreed;
                 continue;
             }
-            let factors = lights.block_terms(scene.level(), &receiver, block);
-            for (i, (direction, factor)) in factors.into_iter().enumerate() {
-                let lane = block * LANES + i;
-                let c = lights.intensity(lane) * factor;
-                let mass = c.element_sum() / 3.0;
-                if mass <= 0.0 || terms >> i & 1 != 0 {
+            let looked_at = if care.trust == Trust::Agreed { giving } else { !singles & ((1 << LANES) - 1) };
+            for i in ones(looked_at) {
+                let mass = block.masses[i];
+                if mass <= 0.0 {
                     continue;
                 }
-                let weight = if mass >= much {
-                    c
-                } else {
+                let mut weight = lights.intensity(first + i) * block.factors[i];
+                if mass < much {
                     next -= mass;
                     if next >= 0.0 {
                         continue;
                     }
                     next += much;
-                    c * (much / mass)
-                };
-                self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(direction)));
-                self.weights.push(weight);
-                self.expected.push(sure[lane]);
+                    weight *= much / mass;
+                }
+                self.want(lit, block, (first, i), weight, agreement.sure[first + i]);
             }
         }
-        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for ((&c, &v), &expected) in self.weights.iter().zip(&self.visible).zip(&self.expected) {
-            sum += c * (v - expected);
-        }
-        (sum, self.rays.len() as u64)
+        self.terms = terms;
+        sum
     }
 
-    /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays; and how many were shot.
-    pub(super) fn unbiased(
-        &mut self,
-        scene: &Scene,
-        falloff: Falloff,
-        vertex: &Vertex,
-        agreement: &Agreement,
-        (count, seed): (u32, u32),
-    ) -> (Vec3, u64) {
-        let (lights, receiver) = (scene.lights(), receiver(vertex, falloff, agreement));
-        let Self { terms, masses, sums, estimates, .. } = self;
-        let (sure, disputed) = (&agreement.sure, &agreement.disputed);
-        let mut sum = lights.weighted_irradiance(scene.level(), &receiver, sure, disputed, terms, sums);
-        masses.clear();
-        masses.extend(sums.iter().map(|block| block.mass * DOUBT));
+    /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
+    #[inline(always)]
+    pub(super) fn unbiased<S: Simd>(&mut self, simd: S, lit: Lit<'_>, count: u32) -> Vec3 {
+        let Lit { scene, agreement, .. } = lit;
+        let lights = scene.lights();
+        let mut terms = std::mem::take(&mut self.terms);
+        let (mut sum, _) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
+        let blocks = terms.blocks();
 
         // Disputed lights: their mean, and how much there is to gain from a ray.
-        estimates.clear();
-        for term in terms.iter() {
-            let c = lights.intensity(term.lane as usize) * term.factor;
-            let v = agreement.estimate(term);
-            sum += c * v;
-            estimates.push(v);
-            let least = if term.index.is_some() { 0.0 } else { DOUBTFUL };
-            masses.push(term.mass * ((v * (1.0 - v)).sqrt().max(least) + DOUBT));
+        self.masses.clear();
+        self.masses.extend(blocks.iter().map(|block| DOUBT * block.mass));
+        self.singles.clear();
+        let mut dispute = 0;
+        for (at, (block, &disputed)) in blocks.iter().zip(agreement.disputed()).enumerate() {
+            let singles = disputed | block.doubtful;
+            if singles == 0 {
+                continue;
+            }
+            let mut agreed = 0.0;
+            for (i, mass) in block.masses.iter().enumerate() {
+                agreed += if singles >> i & 1 == 0 { *mass } else { 0.0 };
+            }
+            self.masses[at] = DOUBT * agreed;
+            for i in ones(singles) {
+                let is_disputed = disputed >> i & 1 != 0;
+                let number = dispute;
+                dispute += usize::from(is_disputed);
+                let mass = block.masses[i];
+                if mass <= 0.0 {
+                    continue;
+                }
+                let (v, least) = if is_disputed {
+                    let v = agreement.estimate(number);
+                    sum += lights.intensity(at * LANES + i) * (block.factors[i] * v);
+                    (v, 0.0)
+                } else {
+                    (agreement.sure[at * LANES + i], DOUBTFUL)
+                };
+                self.singles.push(Single { block: at as u32, i: i as u32, v });
+                self.masses.push(mass * ((v * (1.0 - v)).sqrt().max(least) + DOUBT));
+            }
         }
         let total: f32 = self.masses.iter().sum();
-        if total <= 0.0 {
-            return (sum, 0);
-        }
 
         // Choose lights, stratified over the list.
-        self.clear_rays();
-        let blocks = lights.lanes() / LANES;
         let (mut entry, mut below) = (0, 0.0);
-        for k in 0..count {
-            let (u, v) = (random(seed, 2 * k), random(seed, 2 * k + 1));
-            let at = (k as f32 + u) / count as f32 * total;
+        for k in 0..if total > 0.0 { count } else { 0 } {
+            let at = (k as f32 + lit.random(2 * k)) / count as f32 * total;
             while entry + 1 < self.masses.len() && below + self.masses[entry] <= at {
                 below += self.masses[entry];
                 entry += 1;
@@ -202,74 +252,72 @@ impl ByLight {
             if mass <= 0.0 {
                 continue;
             }
-            let p = mass / total;
-            let (lane, direction, weight, expected) = if entry < blocks {
-                let Some((lane, direction, factor, share)) = self.choose_in_block(scene, &receiver, entry, v) else {
-                    continue;
-                };
-                (lane, direction, factor / (p * share), sure[lane])
+            let mut p = mass / total * count as f32;
+            let (at, i, v) = if let Some(single) = entry.checked_sub(blocks.len()) {
+                let Single { block, i, v } = self.singles[single];
+                (block as usize, i as usize, v)
             } else {
-                let term = self.terms[entry - blocks];
-                (term.lane as usize, term.direction, term.factor / p, self.estimates[entry - blocks])
+                let singles = agreement.disputed()[entry] | blocks[entry].doubtful;
+                let Some((i, share)) = choose(&blocks[entry], singles, lit.random(2 * k + 1)) else { continue };
+                p *= share;
+                (entry, i, agreement.sure[entry * LANES + i])
             };
-            self.rays.push(lights.shadow_ray(lane, vertex.origin_towards(direction)));
-            self.weights.push(lights.intensity(lane) * (weight / count as f32));
-            self.expected.push(expected);
+            let weight = lights.intensity(at * LANES + i) * (blocks[at].factors[i] / p);
+            self.want(lit, &blocks[at], (at * LANES, i), weight, v);
         }
+        self.terms = terms;
+        sum
+    }
 
-        // The mesh is wrong by what the rays find.
+    /// Lets a ray to a light of a block wait.
+    fn want(&mut self, lit: Lit<'_>, block: &BlockTerms, (first, i): (usize, usize), weight: Vec3, expected: f32) {
+        let origin = lit.vertex.origin_towards(block.direction(i));
+        self.rays.push(lit.scene.lights().shadow_ray(first + i, origin));
+        self.waiting.push(Waiting { weight, expected, surface: lit.surface });
+    }
+
+    /// Whether so many rays wait that they should be shot.
+    #[inline(always)]
+    pub(super) fn is_full(&self) -> bool {
+        self.rays.len() >= RAYS
+    }
+
+    /// Shoots the rays that wait and adds what they find to the irradiance of their surfaces, lux; how many they were.
+    pub(super) fn shoot(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for ((&weight, &v), &expected) in self.weights.iter().zip(&self.visible).zip(&self.expected) {
-            sum += weight * (v - expected);
+        for (&Waiting { weight, expected, surface }, &v) in self.waiting.iter().zip(&self.visible) {
+            irradiance[surface as usize] += weight * (v - expected);
         }
-        (sum, self.rays.len() as u64)
-    }
-
-    /// One of the block's lights that are agreed about, in proportion to c_i: its lane, direction, factor and probability.
-    fn choose_in_block(
-        &self,
-        scene: &Scene,
-        receiver: &Receiver,
-        block: usize,
-        u: f32,
-    ) -> Option<(usize, Vec3, f32, f32)> {
-        let lights = scene.lights();
-        let terms = lights.block_terms(scene.level(), receiver, block);
-        let mass = |i: usize| {
-            let lane = block * LANES + i;
-            if self.sums[block].terms >> i & 1 != 0 {
-                0.0
-            } else {
-                lights.intensity(lane).element_sum() / 3.0 * terms[i].1
-            }
-        };
-        let masses: [f32; LANES] = std::array::from_fn(mass);
-        let total: f32 = masses.iter().sum();
-        let mut rest = u * total;
-        let mut chosen = None;
-        for (i, &mass) in masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
-            chosen = Some(i);
-            rest -= mass;
-            if rest < 0.0 {
-                break;
-            }
-        }
-        let i = chosen?;
-        Some((block * LANES + i, terms[i].0, terms[i].1, masses[i] / total))
-    }
-
-    fn clear_rays(&mut self) {
+        let count = self.rays.len() as u64;
         self.rays.clear();
-        self.weights.clear();
-        self.expected.clear();
+        self.waiting.clear();
+        count
     }
 }
 
-fn receiver(vertex: &Vertex, falloff: Falloff, agreement: &Agreement) -> Receiver {
-    Receiver { position: vertex.position, n: vertex.n, ng: vertex.ng, doubt: agreement.doubt, falloff }
+/// One of the block's lights but for `singles`, in proportion to c_i by `u` in [0, 1), and its probability.
+fn choose(block: &BlockTerms, singles: u32, u: f32) -> Option<(usize, f32)> {
+    let of = |i: usize| if singles >> i & 1 == 0 { block.masses[i] } else { 0.0 };
+    let masses: [f32; LANES] = std::array::from_fn(of);
+    let total: f32 = masses.iter().sum();
+    let mut rest = u * total;
+    let mut chosen = None;
+    for (i, &mass) in masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
+        chosen = Some(i);
+        rest -= mass;
+        if rest < 0.0 {
+            break;
+        }
+    }
+    chosen.map(|i| (i, masses[i] / total))
 }
 
-/// The i-th number in [0, 1) of a seed.
-fn random(seed: u32, i: u32) -> f32 {
-    (hash(seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+/// The places of the set bits, ascending, below [`LANES`].
+#[inline(always)]
+fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let i = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (i < LANES).then_some(i)
+    })
 }

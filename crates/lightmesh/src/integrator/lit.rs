@@ -2,16 +2,17 @@
 
 use std::time::Instant;
 
+use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Vertex;
-use super::by_light::ByLight;
+use super::by_light::{ByLight, Lit};
 use super::direct::Scratch;
 use super::lights_at::LightsAt;
 use super::plan::{Plan, Shading};
 use super::sampling::seed_of_place;
-use crate::light_mesh::{DirectField, LightsReading, Marks, Reading, Sight};
+use crate::light_mesh::{DirectField, DirectReader, LightsReading, Marks, Reading, Sight};
 use crate::progress::Reporter;
 use crate::scene::LightSamples;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
@@ -94,34 +95,55 @@ impl LitVertices {
         marks: &Marks,
         (shading, sight): (Shading, Sight),
     ) {
-        let mut reader = field.reader(scene, sight);
+        let reader = field.reader(scene, sight);
+        dispatch!(scene.level(), simd => self.shade_by_light_simd(simd, scene, falloff, (reader, marks), shading));
+    }
+
+    #[inline(always)]
+    fn shade_by_light_simd<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene,
+        falloff: Falloff,
+        (mut reader, marks): (DirectReader<'_>, &Marks),
+        shading: Shading,
+    ) {
         let lights = LightsAt::every(scene.lights());
         let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
-        waiting.retain(|&i| {
-            let vertex = &vertices[i as usize];
-            let (irradiance, rays) = match (reader.read_lights(vertex, marks), shading) {
-                (LightsReading::Empty, _) => return true,
+        let mut kept = 0;
+        for at in 0..waiting.len() {
+            let surface = waiting[at];
+            let vertex = &vertices[surface as usize];
+            let seed_of = |seed| seed ^ seed_of_place(vertex.position);
+            let lit = |agreement, seed| Lit { scene, falloff, vertex, surface, agreement, seed: seed_of(seed) };
+            direct[surface as usize] = match (reader.read_lights(vertex, marks), shading) {
+                (LightsReading::Empty, _) => {
+                    waiting[kept] = surface;
+                    kept += 1;
+                    continue;
+                }
                 (LightsReading::Agreement(agreement), Shading::ByLight { care, seed }) => {
-                    let seed = seed ^ seed_of_place(vertex.position);
-                    by_light.with_care(scene, falloff, vertex, agreement, (care, seed))
+                    by_light.with_care(simd, lit(agreement, seed), care)
                 }
                 // More rays than lights: each gets its own.
                 (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
                     if (rays as usize) < scene.lights().len() =>
                 {
-                    let seed = seed ^ seed_of_place(vertex.position);
-                    by_light.unbiased(scene, falloff, vertex, agreement, (rays, seed))
+                    by_light.unbiased(simd, lit(agreement, seed), rays)
                 }
-                (LightsReading::Agreement(_), _) => scratch.irradiance(scene, &lights, falloff, vertex),
-                (LightsReading::Nothing, _) => {
-                    *fallbacks += 1;
-                    scratch.irradiance(scene, &lights, falloff, vertex)
+                (reading, _) => {
+                    *fallbacks += u64::from(matches!(reading, LightsReading::Nothing));
+                    let (exact, rays) = scratch.irradiance(scene, &lights, falloff, vertex);
+                    *shadow_rays += rays;
+                    exact
                 }
             };
-            direct[i as usize] = irradiance;
-            *shadow_rays += rays;
-            false
-        });
+            if by_light.is_full() {
+                *shadow_rays += by_light.shoot(scene, direct);
+            }
+        }
+        waiting.truncate(kept);
+        *shadow_rays += by_light.shoot(scene, direct);
         self.sight_rays += reader.sight_rays();
     }
 

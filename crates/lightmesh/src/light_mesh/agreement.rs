@@ -1,88 +1,99 @@
 //! What the mesh points around a surface agree on, light by light.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::light_bits::LightBits;
-use crate::scene::Term;
+use super::neighbourhood::{ByCorner, ONES, bits as corners_of};
+use crate::scene::LANES;
 
-/// What some mesh points say of each light together. The count is kept as long as the same points are read.
+/// Most points that are heard.
+const MAX_POINTS: usize = 32;
+
+/// What some mesh points say of each light together. Votes are kept as long as the same points are read.
 #[derive(Debug)]
 pub(crate) struct Agreement {
-    /// Whose votes have been counted, and who is read now, with φ4.
-    counted: Vec<u32>,
+    /// Who reads: whose votes have been counted.
+    counted: Voters,
     points: Vec<u32>,
-    weights: Vec<f32>,
+    /// φ4 of each voter, four by four, in all 1; only as many of them as there are voters are used.
+    weights: [Vec4; MAX_POINTS / 4],
+    /// Fours of weights that are used.
+    fours: usize,
     /// By lane: 1 where all points receive the whole of a light, 0 where none receives any or they disagree.
     pub sure: Vec<f32>,
-    /// The lanes about which they disagree, ascending.
-    pub disputed: Vec<u32>,
-    /// What the points of each disputed lane say: `seen` and `open`, a bit per point.
+    /// By block: the lanes about which they disagree, a bit each.
+    disputed: Vec<u32>,
+    /// What the points say of each disputed lane, ascending: `seen` and `open`, a bit per voter.
     votes: Vec<(u32, u32)>,
-    /// Of at most eight points: the weight of every subset of the first four and of the last four, their sum 1.
-    subsets: [[f32; 16]; 2],
     /// Lights on this side of the surface may be hidden by what hides points there; zero: no point is hidden.
     pub doubt: Vec3,
 }
 
-impl Agreement {
-    /// Most points that are heard.
-    const MAX_POINTS: usize = 32;
+/// Some points that vote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Voters {
+    Nobody,
+    /// Corners of the cell that a reader is in, as long as it stays there: its visit, and a bit per corner.
+    Corners(u64, u8),
+    /// Those that are listed.
+    Listed,
+}
 
+impl Agreement {
     /// Of no points, about so many lanes.
     pub(super) fn new(lanes: usize) -> Self {
         Self {
-            counted: Vec::new(),
+            counted: Voters::Nobody,
             points: Vec::new(),
-            weights: Vec::new(),
+            weights: [Vec4::ZERO; MAX_POINTS / 4],
+            fours: 0,
             sure: vec![0.0; lanes],
-            disputed: Vec::new(),
+            disputed: vec![0; lanes / LANES],
             votes: Vec::new(),
-            subsets: [[0.0; 16]; 2],
             doubt: Vec3::ZERO,
         }
     }
 
-    /// Forgets which points were read; `doubt` is about the next ones.
+    /// Takes what corners of a cell say; `index` tells which points they are, `weights` are 0 for other corners.
     #[inline(always)]
-    pub(super) fn begin(&mut self, doubt: Vec3) {
-        self.points.clear();
-        self.weights.clear();
-        self.doubt = doubt;
+    pub(super) fn ask_corners(
+        &mut self,
+        bits: &LightBits,
+        (visit, mask): (u64, u8),
+        weights: &ByCorner,
+        index: impl Fn(usize) -> u32,
+    ) {
+        if self.counted != Voters::Corners(visit, mask) {
+            self.points.clear();
+            self.points.extend(corners_of(mask).map(index));
+            self.count(bits, |i| corners_of(mask).nth(i).unwrap_or(0) as u32);
+            self.counted = Voters::Corners(visit, mask);
+        }
+        let scale = 1.0 / (weights[0].element_sum() + weights[1].element_sum());
+        self.fours = 2;
+        self.weights[0] = weights[0] * scale;
+        self.weights[1] = weights[1] * scale;
     }
 
-    /// Adds a point that is read with weight φ4.
-    #[inline(always)]
-    pub(super) fn add(&mut self, point: u32, weight: f32) {
-        if self.points.len() < Self::MAX_POINTS {
-            self.points.push(point);
-            self.weights.push(weight);
+    /// Takes what some points say, each with its weight φ4; of too many the first ones.
+    pub(super) fn ask(&mut self, bits: &LightBits, points: &[(u32, f32)]) {
+        let points = &points[..points.len().min(MAX_POINTS)];
+        if self.counted != Voters::Listed || !self.points.iter().eq(points.iter().map(|(point, _)| point)) {
+            self.points.clear();
+            self.points.extend(points.iter().map(|&(point, _)| point));
+            self.count(bits, |i| i as u32);
+            self.counted = Voters::Listed;
+        }
+        let scale = 1.0 / points.iter().map(|(_, weight)| weight).sum::<f32>();
+        self.fours = points.len().div_ceil(4);
+        self.weights = [Vec4::ZERO; MAX_POINTS / 4];
+        for (i, (_, weight)) in points.iter().enumerate() {
+            self.weights[i / 4][i % 4] = weight * scale;
         }
     }
 
-    /// Takes what the points say.
-    #[inline(always)]
-    pub(super) fn ask(&mut self, bits: &LightBits) -> &Self {
-        if self.counted != self.points {
-            self.counted.clone_from(&self.points);
-            self.count(bits);
-        }
-        let total = 1.0 / self.weights.iter().sum::<f32>();
-        self.weights.iter_mut().for_each(|weight| *weight *= total);
-        if self.weights.len() <= 8 {
-            for (half, subsets) in self.subsets.iter_mut().enumerate() {
-                let weights = self.weights.get(4 * half..).unwrap_or_default();
-                for (subset, sum) in subsets.iter_mut().enumerate() {
-                    let of = |k: usize| if subset >> k & 1 != 0 { weights.get(k).copied().unwrap_or(0.0) } else { 0.0 };
-                    *sum = (of(0) + of(1)) + (of(2) + of(3));
-                }
-            }
-        }
-        self
-    }
-
-    /// Counts the votes.
-    fn count(&mut self, bits: &LightBits) {
-        self.disputed.clear();
+    /// Counts the votes of the points; point i votes with bit `place(i)`.
+    fn count(&mut self, bits: &LightBits, place: impl Fn(usize) -> u32) {
         self.votes.clear();
         for (word, sure) in self.sure.chunks_mut(64).enumerate() {
             let (mut all, mut any) = (u64::MAX, 0);
@@ -94,31 +105,38 @@ impl Agreement {
             for (bit, sure) in sure.iter_mut().enumerate() {
                 *sure = (all >> bit & 1) as f32;
             }
-            for bit in ones(any & !all) {
+            let disputed = any & !all;
+            for (i, block) in self.disputed[word * 64 / LANES..].iter_mut().take(64 / LANES).enumerate() {
+                *block = (disputed >> (i * LANES)) as u32 & ((1 << LANES) - 1);
+            }
+            for bit in ones(disputed) {
                 let (mut seen_by, mut open_to) = (0, 0);
                 for (i, &point) in self.points.iter().enumerate() {
                     let (seen, open) = bits.rows(point);
-                    seen_by |= ((seen[word] >> bit & 1) as u32) << i;
-                    open_to |= ((open[word] >> bit & 1) as u32) << i;
+                    seen_by |= ((seen[word] >> bit & 1) as u32) << place(i);
+                    open_to |= ((open[word] >> bit & 1) as u32) << place(i);
                 }
-                self.disputed.push(word as u32 * 64 + bit);
                 self.votes.push((seen_by, open_to));
             }
         }
     }
 
-    /// V̂ of a light: the weighted mean of what the points say, a half for those that cannot tell.
+    /// The lanes of each block about which the points disagree, a bit each. The disputes of the blocks, in this order, are numbered
+    /// from 0.
     #[inline(always)]
-    pub(crate) fn estimate(&self, term: &Term) -> f32 {
-        let Some(i) = term.index else { return self.sure[term.lane as usize] };
-        let (seen, open) = self.votes[i as usize];
-        let weight = |voters: u32| -> f32 {
-            if self.weights.len() <= 8 {
-                return self.subsets[0][voters as usize & 15] + self.subsets[1][voters as usize >> 4 & 15];
-            }
-            self.weights.iter().enumerate().map(|(k, weight)| (voters >> k & 1) as f32 * weight).sum()
+    pub(crate) fn disputed(&self) -> &[u32] {
+        &self.disputed
+    }
+
+    /// V̂ of the light of a dispute: the weighted mean of what the points say, a half for those that cannot tell.
+    #[inline(always)]
+    pub(crate) fn estimate(&self, dispute: usize) -> f32 {
+        let (seen, open) = self.votes[dispute];
+        let sum = |voters: u32| -> f32 {
+            let four = |i: usize| self.weights[i].dot(ONES[(voters >> (4 * i) & 15) as usize]);
+            (0..self.fours).map(four).sum()
         };
-        0.5 * (weight(seen) + weight(open))
+        0.5 * (sum(seen) + sum(open))
     }
 }
 
@@ -136,24 +154,41 @@ mod tests {
     use super::*;
 
     /// Two points: both see lane 0, neither lane 1, one lane 2, one lane 3 through glass.
-    #[test]
-    fn agreement_is_told_from_dispute() {
+    fn two_points() -> LightBits {
         let mut bits = LightBits::new(16);
         let pack = |v: [f32; 4]| bits.pack(&[0, 1, 2, 3], &v.map(Vec3::splat), &[!0xf]);
         let points = [pack([1.0, 0.0, 1.0, 0.0]), pack([1.0, 0.0, 0.0, 0.4])];
         points.iter().for_each(|point| bits.push(point));
+        bits
+    }
+
+    #[test]
+    fn agreement_is_told_from_dispute() {
+        let bits = two_points();
         let mut agreement = Agreement::new(16);
         let mut ask = |weights: [f32; 2]| {
-            agreement.begin(Vec3::ZERO);
-            weights.iter().enumerate().for_each(|(point, &weight)| agreement.add(point as u32, weight));
-            let agreement = agreement.ask(&bits);
-            let term = |i| Term { lane: 2 + i, index: Some(i), direction: Vec3::Y, factor: 1.0, mass: 1.0 };
-            [0, 1].map(|i| agreement.estimate(&term(i)))
+            agreement.ask(&bits, &[(0, weights[0]), (1, weights[1])]);
+            [0, 1].map(|i| agreement.estimate(i))
         };
         assert_eq!(ask([3.0, 1.0]), [0.75, 0.125]);
         // The same points again: other weights, the same votes.
         assert_eq!(ask([1.0, 1.0]), [0.5, 0.25]);
-        assert_eq!(agreement.disputed, [2, 3]);
+        assert_eq!(agreement.disputed(), [0b1100]);
+        assert_eq!(agreement.sure[..4], [1.0, 0.0, 0.0, 0.0]);
+    }
+
+    /// The same two points as corners 1 and 6 of a cell; then corner 6 alone: it sees lane 0 and cannot tell about lane 3.
+    #[test]
+    fn corners_vote_as_points_do() {
+        let bits = two_points();
+        let mut agreement = Agreement::new(16);
+        let index = |k: usize| u32::from(k == 6);
+        let weights = [Vec4::new(0.0, 0.3, 0.0, 0.0), Vec4::new(0.0, 0.0, 0.1, 0.0)];
+        agreement.ask_corners(&bits, (1, 1 << 1 | 1 << 6), &weights, index);
+        assert!((agreement.estimate(0) - 0.75).abs() < 1e-6 && (agreement.estimate(1) - 0.125).abs() < 1e-6);
+        agreement.ask_corners(&bits, (1, 1 << 6), &[Vec4::ZERO, weights[1]], index);
+        assert_eq!(agreement.disputed(), [0b1000]);
+        assert!((agreement.estimate(0) - 0.5).abs() < 1e-6);
         assert_eq!(agreement.sure[..4], [1.0, 0.0, 0.0, 0.0]);
     }
 }

@@ -340,27 +340,25 @@ impl DirectReader<'_> {
     #[inline(always)]
     pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
         let Some(bits) = &self.field.bits else { return LightsReading::Nothing };
-        let agreement = &mut self.agreement;
-        if !self.reader.reads_cells() {
-            return Self::ask_points(&mut self.reader, agreement, bits, vertex, marks);
+        let Self { reader, agreement, .. } = self;
+        if !reader.reads_cells() {
+            return Self::ask_points(reader, agreement, bits, vertex, marks);
         }
-        let seen = match self.reader.corners(vertex, marks) {
+        let seen = match reader.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(Outcome::Empty) => return LightsReading::Empty,
             Err(_) => return LightsReading::Nothing,
         };
         if seen.refined > 0.0 {
-            return Self::ask_points(&mut self.reader, agreement, bits, vertex, marks);
+            return Self::ask_points(reader, agreement, bits, vertex, marks);
         }
         // Lights beyond corners that are missing are beyond what hides these.
-        let doubt = if seen.missing == 0 { Vec3::ZERO } else { self.reader.towards(vertex, seen.missing) };
-        agreement.begin(doubt);
-        for k in corners_of(seen.mask) {
-            agreement.add(self.reader.index(k), seen.weights[k / 4][k % 4]);
-        }
-        LightsReading::Agreement(agreement.ask(bits))
+        agreement.doubt = if seen.missing == 0 { Vec3::ZERO } else { reader.towards_missing(vertex) };
+        agreement.ask_corners(bits, (reader.visits(), seen.mask), &seen.weights, |k| reader.index(k));
+        LightsReading::Agreement(agreement)
     }
 
+    #[cold]
     fn ask_points<'b>(
         reader: &mut Reader<'_>,
         agreement: &'b mut Agreement,
@@ -368,9 +366,13 @@ impl DirectReader<'_> {
         vertex: &Vertex,
         marks: &Marks,
     ) -> LightsReading<'b> {
-        agreement.begin(Vec3::ZERO);
-        match reader.read(vertex, marks, |index, weight| agreement.add(index, weight)) {
-            Outcome::Read => LightsReading::Agreement(agreement.ask(bits)),
+        let mut points = Vec::new();
+        match reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
+            Outcome::Read => {
+                agreement.doubt = reader.towards_missing(vertex);
+                agreement.ask(bits, &points);
+                LightsReading::Agreement(agreement)
+            }
             Outcome::Nothing => LightsReading::Nothing,
             Outcome::Empty => LightsReading::Empty,
         }

@@ -30,7 +30,7 @@ use glam::UVec3;
 
 use crate::{Error, MeshStats, RenderOptions, Scene, Spacing};
 pub(crate) use agreement::Agreement;
-pub(crate) use direct::{DirectField, LightsReading, Reading};
+pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
 pub(crate) use marks::Marks;

@@ -46,6 +46,9 @@ pub(crate) struct Reader<'a> {
     sight: Sight,
     visits: u64,
     sight_rays: u64,
+    /// Of the last vertex: the corners that it wanted to read but cannot, and whether the next level was read too.
+    missing: u8,
+    blended: bool,
     /// Reads the next level.
     finer: Option<Box<Self>>,
 }
@@ -158,6 +161,8 @@ impl<'a> Reader<'a> {
             sight,
             visits: 0,
             sight_rays: 0,
+            missing: 0,
+            blended: false,
             finer: None,
         }
     }
@@ -244,6 +249,7 @@ impl<'a> Reader<'a> {
             return Outcome::Read;
         }
         let (scene, points, next, sight) = (self.scene, self.points, self.at + 1, self.sight);
+        self.blended = true;
         let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, sight)));
         match finer.corners(vertex, marks) {
             Ok(finest) => finer.blend(&finest, scale * seen.refined, vertex, marks, take),
@@ -256,6 +262,7 @@ impl<'a> Reader<'a> {
     #[inline(always)]
     pub(super) fn corners(&mut self, vertex: &Vertex, marks: &Marks) -> Result<Seen, Outcome> {
         let stencil = trilinear(&self.level.lattice, vertex);
+        (self.missing, self.blended) = (0, false);
         if stencil.cell != self.cell {
             self.enter(stencil.cell);
         }
@@ -289,6 +296,7 @@ impl<'a> Reader<'a> {
         }
         let [lower, upper] = stencil.weights;
         let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
+        self.missing = read & !mask;
         Ok(Seen { mask, weights, missing: read & !mask, refined })
     }
 
@@ -298,10 +306,14 @@ impl<'a> Reader<'a> {
         self.visits
     }
 
-    /// The mean direction, not of unit length, from a vertex to some corners of its cell.
-    pub(super) fn towards(&self, vertex: &Vertex, corners: u8) -> Vec3 {
+    /// A mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but cannot, on all
+    /// levels that it read; zero where there are none.
+    pub(super) fn towards_missing(&self, vertex: &Vertex) -> Vec3 {
         let lattice = &self.level.lattice;
-        bits(corners).map(|k| lattice.point(corner(self.cell, k)) - vertex.position).sum()
+        let to_corner = |k| (lattice.point(corner(self.cell, k)) - vertex.position) * lattice.inv_spacing();
+        let own: Vec3 = bits(self.missing).map(to_corner).sum();
+        let finer = self.finer.as_ref().filter(|_| self.blended);
+        own + finer.map_or(Vec3::ZERO, |finer| finer.towards_missing(vertex))
     }
 
     /// The index of corner k, which is filled.

@@ -254,26 +254,6 @@ pub(super) fn for_each_block<S: Simd>(
     }
 }
 
-/// d and f of one block.
-#[inline(always)]
-pub(super) fn lanes_of_block<S: Simd>(
-    simd: S,
-    lights: &LightSamples,
-    falloff: Falloff,
-    p: Vec3,
-    index: usize,
-) -> Lanes<S> {
-    let block = &lights.blocks[index];
-    let plain = lights.blocks.len() - lights.facings.len() - lights.extras.len();
-    match index.checked_sub(plain) {
-        None => plain_lanes(simd, block, falloff, p),
-        Some(i) => match i.checked_sub(lights.facings.len()) {
-            None => patch_lanes(simd, block, &lights.facings[i], falloff, p),
-            Some(i) => shaped_lanes(simd, block, &lights.extras[i], falloff, p),
-        },
-    }
-}
-
 /// d and f of plain point lights.
 #[inline(always)]
 fn plain_lanes<S: Simd>(simd: S, block: &Block, falloff: Falloff, p: Vec3) -> Lanes<S> {

@@ -22,7 +22,7 @@ pub use environment::{EmitterOptions, Environment, soft_environment};
 pub(crate) use footprint::Footprint;
 pub use light::Light;
 pub(crate) use light_samples::{Directions, Emission, LANES, LightSamples, Luminaire};
-pub(crate) use light_terms::{BlockSum, Receiver, Term};
+pub(crate) use light_terms::{BlockTerms, LightTerms, Receiver};
 pub(crate) use light_tree::{LightTree, Receivers, Refinement, Tolerance};
 pub use material::{AlphaMode, Material};
 pub(crate) use texture::Decode;
