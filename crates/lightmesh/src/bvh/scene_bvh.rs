@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::flatten::{ObjectFromWorld, corners, flattened_meshes};
 use super::hit::{Hit, Target};
 use super::top_level::{Object, TopLevel};
-use super::traverse::{STACK, Stack};
+use super::traverse::Stacks;
 use super::triangle_block::TriangleHit;
 use super::triangle_bvh::{Closest, TriangleBvh};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
@@ -103,23 +103,25 @@ impl SceneBvh {
     /// [`Self::closest`] of each ray; the SIMD level is chosen once for all. `hits` must be as long as `rays`.
     pub fn closest_batch(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         debug_assert_eq!(rays.len(), hits.len());
+        let mut stacks = Stacks::take();
         dispatch!(self.level, simd => {
-            let mut stack = [0; STACK];
             for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.closest_with(simd, ray, &mut stack);
+                *hit = self.closest_with(simd, ray, &mut stacks);
             }
         });
+        stacks.give_back();
     }
 
     /// [`Self::occluded`] of each ray; the SIMD level is chosen once for all. `occluded` must be as long as `rays`.
     pub fn occluded_batch(&self, rays: &[Ray], occluded: &mut [bool]) {
         debug_assert_eq!(rays.len(), occluded.len());
+        let mut stacks = Stacks::take();
         dispatch!(self.level, simd => {
-            let mut stack = [0; STACK];
             for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = self.occluded_with(simd, ray, &mut stack);
+                *occluded = self.occluded_with(simd, ray, &mut stacks);
             }
         });
+        stacks.give_back();
     }
 
     /// The target of a triangle of the flattened world.
@@ -129,29 +131,31 @@ impl SceneBvh {
     }
 
     #[inline(always)]
-    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
+    fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, stacks: &mut Stacks) -> Option<Hit> {
         let mut closest = Closest::before(ray.t_max, 0);
-        self.world.closest(simd, ray, stack, &mut closest);
+        self.world.closest(simd, ray, &mut stacks.mesh, &mut closest);
         let TriangleHit { t, u, v, id } = closest.hit;
         let hit = closest.found.then(|| Hit { t, u, v, target: self.world_target(id) });
         match &self.top {
             None => hit,
-            Some(top) => top.closest(simd, ray, &self.meshes, stack, hit),
+            Some(top) => top.closest(simd, ray, &self.meshes, stacks, hit),
         }
     }
 
     #[inline(always)]
-    fn occluded_with<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> bool {
-        self.world.occluded(simd, ray, stack)
-            || self.top.as_ref().is_some_and(|top| top.occluded(simd, ray, &self.meshes, stack))
+    fn occluded_with<S: Simd>(&self, simd: S, ray: &Ray, stacks: &mut Stacks) -> bool {
+        self.world.occluded(simd, ray, &mut stacks.mesh)
+            || self.top.as_ref().is_some_and(|top| top.occluded(simd, ray, &self.meshes, stacks))
     }
 
     fn any_hit_dyn(&self, ray: &Ray, accept: &mut dyn FnMut(&Hit) -> bool) -> bool {
-        dispatch!(self.level, simd => {
-            let mut stack = [0; STACK];
+        let mut stacks = Stacks::take();
+        let stopped = dispatch!(self.level, simd => {
             let mut world = |TriangleHit { t, u, v, id }| accept(&Hit { t, u, v, target: self.world_target(id) });
-            self.world.any_hit(simd, ray, &mut stack, &mut world)
-                || self.top.as_ref().is_some_and(|top| top.any_hit(simd, ray, &self.meshes, &mut stack, accept))
-        })
+            self.world.any_hit(simd, ray, &mut stacks.mesh, &mut world)
+                || self.top.as_ref().is_some_and(|top| top.any_hit(simd, ray, &self.meshes, &mut stacks, accept))
+        });
+        stacks.give_back();
+        stopped
     }
 }

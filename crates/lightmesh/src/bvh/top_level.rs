@@ -10,7 +10,7 @@ use super::collapse::{LeafRule, WideTree, collapse};
 use super::flatten::ObjectFromWorld;
 use super::hit::{Hit, Target};
 use super::node::Node;
-use super::traverse::{AsTheyCome, BoxRay, FrontToBack, MAX_DEPTH, STACK, Stack, traverse};
+use super::traverse::{AsTheyCome, BoxRay, FrontToBack, MAX_DEPTH, Stacks, traverse};
 use super::triangle_block::TriangleHit;
 use super::triangle_bvh::{Closest, TriangleBvh};
 use crate::geometry::{Aabb, Ray, Shape, Sphere};
@@ -108,7 +108,7 @@ impl TopLevel {
         simd: S,
         ray: &Ray,
         meshes: &[Option<TriangleBvh>],
-        mesh_stack: &mut Stack,
+        stacks: &mut Stacks,
         mut closest: Option<Hit>,
     ) -> Option<Hit> {
         let Some(root) = self.tree.root else { return closest };
@@ -120,7 +120,7 @@ impl TopLevel {
             root,
             &boxes,
             &mut t_max,
-            &mut [0; STACK],
+            &mut stacks.top,
             #[inline(always)]
             |leaf, t_max| {
                 for object in &self.objects[leaf.items()] {
@@ -134,7 +134,7 @@ impl TopLevel {
                             let ray = object_from_world.ray(ray);
                             simd.vectorize(
                                 #[inline(always)]
-                                || bvh.closest(simd, &ray, mesh_stack, &mut inner),
+                                || bvh.closest(simd, &ray, &mut stacks.mesh, &mut inner),
                             );
                             let TriangleHit { t, u, v, id } = inner.hit;
                             let target = Target::Triangle { instance: *instance, triangle: id };
@@ -164,7 +164,7 @@ impl TopLevel {
         simd: S,
         ray: &Ray,
         meshes: &[Option<TriangleBvh>],
-        mesh_stack: &mut Stack,
+        stacks: &mut Stacks,
     ) -> bool {
         let Some(root) = self.tree.root else { return false };
         let boxes = BoxRay::new(simd, ray, &self.bounds);
@@ -174,7 +174,7 @@ impl TopLevel {
             root,
             &boxes,
             &mut { ray.t_max },
-            &mut [0; STACK],
+            &mut stacks.top,
             #[inline(always)]
             |leaf, _| {
                 for object in &self.objects[leaf.items()] {
@@ -184,7 +184,7 @@ impl TopLevel {
                             let ray = object_from_world.ray(ray);
                             simd.vectorize(
                                 #[inline(always)]
-                                || bvh.occluded(simd, &ray, mesh_stack),
+                                || bvh.occluded(simd, &ray, &mut stacks.mesh),
                             )
                         }
                         Surface::Sphere { sphere, .. } => sphere.intersect(ray).is_some(),
@@ -205,7 +205,7 @@ impl TopLevel {
         simd: S,
         ray: &Ray,
         meshes: &[Option<TriangleBvh>],
-        mesh_stack: &mut Stack,
+        stacks: &mut Stacks,
         accept: &mut dyn FnMut(&Hit) -> bool,
     ) -> bool {
         let Some(root) = self.tree.root else { return false };
@@ -216,7 +216,7 @@ impl TopLevel {
             root,
             &boxes,
             &mut { ray.t_max },
-            &mut [0; STACK],
+            &mut stacks.top,
             #[inline(always)]
             |leaf, _| {
                 for object in &self.objects[leaf.items()] {
@@ -230,7 +230,7 @@ impl TopLevel {
                             };
                             simd.vectorize(
                                 #[inline(always)]
-                                || bvh.any_hit(simd, &ray, mesh_stack, &mut offer),
+                                || bvh.any_hit(simd, &ray, &mut stacks.mesh, &mut offer),
                             )
                         }
                         Surface::Sphere { index, sphere } => {

@@ -95,6 +95,10 @@ impl LitVertices {
         marks: &Marks,
         (shading, sight): (Shading, Sight),
     ) {
+        let sight = match (shading, sight) {
+            (Shading::ByLight { .. }, Sight::Every) => Sight::Unchecked,
+            _ => sight,
+        };
         let reader = field.reader(scene, sight);
         dispatch!(scene.level(), simd => self.shade_by_light_simd(simd, scene, falloff, (reader, marks), shading));
     }

@@ -353,7 +353,7 @@ impl DirectReader<'_> {
             return Self::ask_points(reader, agreement, bits, vertex, marks);
         }
         // Lights beyond corners that are missing are beyond what hides these.
-        agreement.doubt = if seen.missing == 0 { Vec3::ZERO } else { reader.towards_missing(vertex) };
+        agreement.doubt = reader.towards_missing(vertex);
         agreement.ask_corners(bits, (reader.visits(), seen.mask), &seen.weights, |k| reader.index(k));
         LightsReading::Agreement(agreement)
     }

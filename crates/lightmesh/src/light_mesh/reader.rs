@@ -61,6 +61,9 @@ pub(crate) enum Sight {
     /// One corner, chosen in proportion to the weights among those it sees: a ray or two. For the many hits of gather rays, of
     /// which only the sum counts.
     One,
+    /// All in front of it, hidden or not: for those who ask what corners know of each light, and look themselves where corners
+    /// disagree. Only where no more is left than a lesser part of what a vertex wants to read, each is looked at.
+    Unchecked,
 }
 
 /// What became of a read.
@@ -81,15 +84,13 @@ pub(super) struct Seen {
     pub mask: u8,
     /// φ4 by corner; 0 for the others.
     pub weights: ByCorner,
-    /// The corners that it wanted to read but cannot: they are inside solids or hidden from it.
-    pub missing: u8,
     /// φ4 of the corners that the next level takes over, together.
     pub refined: f32,
 }
 
 impl Seen {
     fn nothing(refined: f32) -> Self {
-        Self { mask: 0, weights: [Vec4::ZERO; 2], missing: 0, refined }
+        Self { mask: 0, weights: [Vec4::ZERO; 2], refined }
     }
 }
 
@@ -280,6 +281,10 @@ impl<'a> Reader<'a> {
         if usable == 0 {
             return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
+        if self.sight == Sight::Unchecked {
+            let mask = if is_remnant(&stencil, read, usable) { self.look_at_each(vertex, usable) } else { usable };
+            return self.seen(mask, &stencil, read, refined);
+        }
         if self.whole.0 != usable {
             self.whole = (usable, piece(&self.links, usable) == usable);
         }
@@ -291,13 +296,19 @@ impl<'a> Reader<'a> {
             self.parted(vertex, &stencil) & usable
         };
         let mask = if self.whole.1 && parted == 0 { usable } else { self.look(vertex, &stencil, usable, parted) };
+        self.seen(mask, &stencil, read, refined)
+    }
+
+    /// What a vertex sees that wanted to read some corners and sees those of `mask`.
+    #[inline(always)]
+    fn seen(&mut self, mask: u8, stencil: &Stencil, read: u8, refined: f32) -> Result<Seen, Outcome> {
         if mask == 0 {
             return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
         let [lower, upper] = stencil.weights;
         let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
         self.missing = read & !mask;
-        Ok(Seen { mask, weights, missing: read & !mask, refined })
+        Ok(Seen { mask, weights, refined })
     }
 
     /// How many cells have been entered: as long as it stays, the corners are the same points.
@@ -307,8 +318,13 @@ impl<'a> Reader<'a> {
     }
 
     /// A mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but cannot, on all
-    /// levels that it read; zero where there are none.
+    /// levels that it read: they are inside solids or hidden from it. Zero where there are none.
+    #[inline(always)]
     pub(super) fn towards_missing(&self, vertex: &Vertex) -> Vec3 {
+        if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
+    }
+
+    fn sum_of_missing(&self, vertex: &Vertex) -> Vec3 {
         let lattice = &self.level.lattice;
         let to_corner = |k| (lattice.point(corner(self.cell, k)) - vertex.position) * lattice.inv_spacing();
         let own: Vec3 = bits(self.missing).map(to_corner).sum();
@@ -379,6 +395,7 @@ impl<'a> Reader<'a> {
                 if seen != 0 { seen } else { self.look_at_each(vertex, usable) }
             }
             Sight::One => self.look_for_one(vertex, stencil, usable),
+            Sight::Unchecked => usable,
         }
     }
 
@@ -437,6 +454,9 @@ impl<'a> Reader<'a> {
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
         self.marked = 0;
+        if self.sight == Sight::Unchecked {
+            return;
+        }
         self.clearances = self.slots.map(|slot| match slot {
             Slot::Filled(index) => self.points.clearance(index),
             Slot::Empty | Slot::Invalid => Clearance::default(),
