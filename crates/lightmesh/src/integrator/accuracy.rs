@@ -83,8 +83,8 @@ pub(super) fn choose_plan(
         if pilot.rays <= reading {
             break;
         }
-        let care =
-            Care { quantum: quantum * bound as f32, much: (much * bound as f32).min(MOST), trust: Trust::Nobody };
+        let much = [(much * bound as f32).min(MOST); 2];
+        let care = Care { quantum: quantum * bound as f32, much, trust: Trust::Nobody };
         frame.plan = Plan { seen: Shading::by_light(care, frame.options), ..frame.plan };
         let found = pilot.compare(frame, film, watch, stats)?;
         if found.rays + reading >= pilot.rays {

@@ -39,8 +39,8 @@ pub(crate) struct Care {
     /// Of disputed lights, each that gives this part of all light (unshadowed), or more, gets a ray, and the others together one
     /// for each such part.
     pub quantum: f32,
-    /// A light that gives this part or more gets a ray whatever the points agree on.
-    pub much: f32,
+    /// A light that gives this part or more gets a ray whatever the points agree on: in the open, and where something stands near.
+    pub much: [f32; 2],
     /// What of the other lights that the points agree about.
     pub trust: Trust,
 }
@@ -56,7 +56,7 @@ pub(crate) enum Trust {
 
 impl Care {
     /// That of the hybrid method: docs/accuracy.md has what each rule costs and brings.
-    pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: 0.18, trust: Trust::Agreed };
+    pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: [0.6, 0.15], trust: Trust::Agreed };
 }
 
 /// Rays that wait to be shot, at most, but for those of one surface.
@@ -126,9 +126,9 @@ impl ByLight {
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, total) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
 
-        let (quantum, much) = (care.quantum * total, care.much * total);
+        let (quantum, much) = (care.quantum * total, care.much[usize::from(agreement.cluttered)] * total);
         // How much doubt, and how much of what is agreed about, goes by until the next ray.
-        let mut next_doubt = quantum * lit.random(0);
+        let mut next_doubt = None;
         let mut next = if care.trust == Trust::Agreed { f32::INFINITY } else { much * lit.random(1) };
         let mut dispute = 0;
         for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.disputed()).enumerate() {
@@ -156,11 +156,12 @@ impl ByLight {
                 };
                 let mut weight = c;
                 if doubt < quantum {
-                    next_doubt -= doubt;
-                    if next_doubt >= 0.0 {
+                    let next = next_doubt.get_or_insert_with(|| quantum * lit.random(0));
+                    *next -= doubt;
+                    if *next >= 0.0 {
                         continue;
                     }
-                    next_doubt += quantum;
+                    *next += quantum;
                     weight *= quantum / doubt;
                 }
                 self.want(lit, block, (first, i), weight, v);

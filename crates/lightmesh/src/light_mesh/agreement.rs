@@ -27,6 +27,8 @@ pub(crate) struct Agreement {
     votes: Vec<(u32, u32)>,
     /// Lights on this side of the surface may be hidden by what hides points there; zero: no point is hidden.
     pub doubt: Vec3,
+    /// Whether something stands near the surface, so that the points may all miss its shadow.
+    pub cluttered: bool,
 }
 
 /// Some points that vote.
@@ -51,6 +53,7 @@ impl Agreement {
             disputed: vec![0; lanes / LANES],
             votes: Vec::new(),
             doubt: Vec3::ZERO,
+            cluttered: false,
         }
     }
 

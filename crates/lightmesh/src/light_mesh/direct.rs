@@ -353,7 +353,7 @@ impl DirectReader<'_> {
             return Self::ask_points(reader, agreement, bits, vertex, marks);
         }
         // Lights beyond corners that are missing are beyond what hides these.
-        agreement.doubt = reader.towards_missing(vertex);
+        (agreement.doubt, agreement.cluttered) = (reader.towards_missing(vertex), reader.is_cluttered());
         agreement.ask_corners(bits, (reader.visits(), seen.mask), &seen.weights, |k| reader.index(k));
         LightsReading::Agreement(agreement)
     }
@@ -369,7 +369,7 @@ impl DirectReader<'_> {
         let mut points = Vec::new();
         match reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
             Outcome::Read => {
-                agreement.doubt = reader.towards_missing(vertex);
+                (agreement.doubt, agreement.cluttered) = (reader.towards_missing(vertex), reader.is_cluttered());
                 agreement.ask(bits, &points);
                 LightsReading::Agreement(agreement)
             }

@@ -24,6 +24,8 @@ pub(super) struct Lattice {
     /// Points inside the scene's box.
     inside: u64,
     size: UVec3,
+    /// The lower corner of the last cell.
+    last: Vec3,
     bricks: UVec3,
 }
 
@@ -63,6 +65,7 @@ impl Lattice {
             inv_spacing: 1.0 / spacing,
             inside: inside.as_u64vec3().element_product(),
             size: (bricks * 8.0).as_uvec3(),
+            last: (bricks * 8.0 - 2.0).as_vec3(),
             bricks: bricks.as_uvec3(),
         })
     }
@@ -98,11 +101,21 @@ impl Lattice {
     /// counts as the nearest one inside.
     #[inline(always)]
     pub(super) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
-        let last = (self.size - 2).as_vec3();
+        let (cell, x) = self.cell_and_place(p);
+        (cell, x.clamp(Vec3::ZERO, Vec3::ONE))
+    }
+
+    /// The same cell, and where p is from its lower corner, in spacings, also where that is outside the cell.
+    #[inline(always)]
+    pub(super) fn cell_and_place(&self, p: Vec3) -> (Coordinate, Vec3) {
+        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count to the upper
+        // side, as do those less than 1e-4 below it.
+        const ROUND: f32 = (3 << 22) as f32;
+        const HALF: f32 = 0.5 - 1e-4;
         let x = (p - self.origin) * self.inv_spacing;
-        // Conversion cuts off what floor would: nothing is negative.
-        let base = x.clamp(Vec3::ZERO, last).as_uvec3();
-        (base, (x - base.as_vec3()).clamp(Vec3::ZERO, Vec3::ONE))
+        let rounded = x.clamp(Vec3::ZERO, self.last) - HALF + ROUND;
+        let cell = rounded.to_array().map(|c| c.to_bits() - ROUND.to_bits());
+        (UVec3::from_array(cell), x - (rounded - ROUND))
     }
 
     /// The lattice points between two positions, both included, clamped to the lattice.

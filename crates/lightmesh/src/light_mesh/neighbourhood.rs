@@ -100,9 +100,10 @@ pub(super) fn bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
 /// Trilinear weights about the vertex; corners behind its surface are left out.
 #[inline(always)]
 pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
-    let h = lattice.spacing();
-    let (cell, frac) = lattice.cell(vertex.position + vertex.ng * (NORMAL_OFFSET * h));
-    let height = vertex.ng.dot(lattice.point(cell) - vertex.position) / h;
+    let (cell, place) = lattice.cell_and_place(vertex.position + vertex.ng * (NORMAL_OFFSET * lattice.spacing()));
+    let frac = place.clamp(Vec3::ZERO, Vec3::ONE);
+    // The vertex is below `place` by the offset.
+    let height = NORMAL_OFFSET - vertex.ng.dot(place);
     let rest = Vec3::ONE - frac;
     let along_x = Vec4::new(0.0, vertex.ng.x, 0.0, vertex.ng.x);
     let along_y = Vec4::new(0.0, 0.0, vertex.ng.y, vertex.ng.y);

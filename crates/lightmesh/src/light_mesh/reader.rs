@@ -49,6 +49,8 @@ pub(crate) struct Reader<'a> {
     /// Of the last vertex: the corners that it wanted to read but cannot, and whether the next level was read too.
     missing: u8,
     blended: bool,
+    /// Whether something stands before the last vertex' plane in its cell; known where sight is unchecked.
+    cluttered: bool,
     /// Reads the next level.
     finer: Option<Box<Self>>,
 }
@@ -164,6 +166,7 @@ impl<'a> Reader<'a> {
             sight_rays: 0,
             missing: 0,
             blended: false,
+            cluttered: false,
             finer: None,
         }
     }
@@ -282,6 +285,7 @@ impl<'a> Reader<'a> {
             return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
         if self.sight == Sight::Unchecked {
+            self.cluttered = !self.is_clear(vertex, &stencil);
             let mask = if is_remnant(&stencil, read, usable) { self.look_at_each(vertex, usable) } else { usable };
             return self.seen(mask, &stencil, read, refined);
         }
@@ -322,6 +326,12 @@ impl<'a> Reader<'a> {
     #[inline(always)]
     pub(super) fn towards_missing(&self, vertex: &Vertex) -> Vec3 {
         if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
+    }
+
+    /// Whether something stands before the plane of the vertex that was read last, in the cells that it read. Known where sight is
+    /// unchecked.
+    pub(super) fn is_cluttered(&self) -> bool {
+        self.cluttered || self.finer.as_ref().is_some_and(|finer| self.blended && finer.is_cluttered())
     }
 
     fn sum_of_missing(&self, vertex: &Vertex) -> Vec3 {
@@ -454,19 +464,19 @@ impl<'a> Reader<'a> {
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
         self.marked = 0;
-        if self.sight == Sight::Unchecked {
-            return;
-        }
+        self.known = 0;
+        self.plane.0 = Vec3::ZERO;
         self.clearances = self.slots.map(|slot| match slot {
             Slot::Filled(index) => self.points.clearance(index),
             Slot::Empty | Slot::Invalid => Clearance::default(),
         });
+        self.blocked = blocked(&self.clearances, self.filled);
+        if self.sight == Sight::Unchecked {
+            return;
+        }
         self.links = links(&self.clearances);
         self.enclosed = enclosed(&self.clearances);
-        self.blocked = blocked(&self.clearances, self.filled);
-        self.known = 0;
         self.whole = (0, true);
-        self.plane.0 = Vec3::ZERO;
     }
 }
 
