@@ -44,6 +44,9 @@ pub fn render(
     let started = Instant::now();
     let mut watch = Watch::new(progress, viewer, started, options.time_limit);
     let mut film = Film::new(camera, options);
+    if !scene.averages_textures() {
+        film.drop_cones();
+    }
     let mut stats = match options.method {
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,

@@ -27,6 +27,8 @@ pub(crate) struct Film {
     offsets: Vec<[u32; 2]>,
     /// Cells of a pixel in each direction, and how wide the square of a cell's area is, in pixels.
     cells: (Vec2, f32),
+    /// Whether rays have cones.
+    cones: bool,
     /// What is being sampled.
     pass: Pass,
     sums: Vec<Vec3>,
@@ -61,6 +63,7 @@ impl Film {
             seed: options.seed,
             offsets: film_samples(options.spp),
             cells: cells_of_pixel(options.spp as usize),
+            cones: true,
             pass: Pass { pixels: None, indices: 0..options.spp, done: 0 },
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.aovs,
@@ -69,6 +72,11 @@ impl Film {
             sketch: None,
             outlines: None,
         }
+    }
+
+    /// Gives rays no cones: nobody averages what they see.
+    pub(crate) fn drop_cones(&mut self) {
+        self.cones = false;
     }
 
     /// Turns to some of the samples of every pixel; they follow those that it has.
@@ -99,6 +107,7 @@ impl Film {
             seed: self.seed,
             offsets: self.offsets.clone(),
             cells: self.cells,
+            cones: self.cones,
             pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0 },
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
@@ -202,6 +211,9 @@ impl Film {
             offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
         }
         let ray = self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y);
+        if !self.cones {
+            return (ray, Cone::POINT);
+        }
         let (cells, width) = self.cells;
         let middle = ((offset * cells).floor() + 0.5) / cells;
         (ray, self.rays.cone(&ray, width, middle - offset))

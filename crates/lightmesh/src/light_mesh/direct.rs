@@ -29,6 +29,11 @@ pub(super) enum Field {
         /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
         falloff: Falloff,
     },
+    /// None: readers ask for each light by itself.
+    ByLight {
+        /// φ3: which lights shine on a point at all.
+        falloff: Falloff,
+    },
     /// One pair: DirectLight(x) of formula (1), and what it is scaled by.
     Scalar {
         /// φ1.
@@ -41,6 +46,7 @@ pub(super) enum Field {
 impl Field {
     pub(super) fn of(options: &RenderOptions) -> Self {
         match options.method {
+            _ if options.knows_lights() => Self::ByLight { falloff: options.falloff },
             Method::Paper => Self::Scalar { falloff: options.field_falloff, scale: options.paper_scale },
             Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => {
                 Self::SixAxis { falloff: options.falloff }
@@ -52,6 +58,7 @@ impl Field {
     fn stride(self) -> usize {
         match self {
             Self::SixAxis { .. } => 12,
+            Self::ByLight { .. } => 0,
             Self::Scalar { .. } => 2,
         }
     }
@@ -193,6 +200,7 @@ impl DirectField {
                 let all = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
                 (visible, all)
             }
+            Field::ByLight { .. } => (Vec4::ZERO, Vec4::ZERO),
             Field::Scalar { .. } => {
                 let values = &self.values[index as usize * 2..][..2];
                 (values[0], values[1])
@@ -220,9 +228,9 @@ impl DirectField {
                     .map(|&address| {
                         let x = grid.place(address);
                         let clearance = match field {
-                            Field::SixAxis { .. } => probe(scene, x, grid.level(address.level).lattice.spacing()),
                             // The paper's mesh knows no geometry: every point counts.
                             Field::Scalar { .. } => Some(Clearance::ALL_FREE),
+                            _ => probe(scene, x, grid.level(address.level).lattice.spacing()),
                         };
                         let values = clearance.map(|_| {
                             let values = evaluator.evaluate(x);
@@ -237,7 +245,7 @@ impl DirectField {
 
         // Store, in the order of the list: slots do not depend on the number of threads.
         let mut rays = RayCounts::default();
-        if matches!(field, Field::SixAxis { .. }) {
+        if !matches!(field, Field::Scalar { .. }) {
             rays.secondary = PROBE_RAYS * wanted.len() as u64;
         }
         for (points, shadow_rays) in evaluated {
@@ -381,10 +389,11 @@ impl DirectReader<'_> {
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
     /// where [`DirectReader::read`] finds nothing.
     pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
-        match self.read(vertex, marks) {
-            Reading::Visibility(_) => usable_part(&mut self.reader, &self.field.points, vertex, marks),
-            Reading::Nothing | Reading::Empty => 0.0,
-        }
+        let reads = match self.field.field {
+            Field::ByLight { .. } => matches!(self.read_lights(vertex, marks), LightsReading::Agreement(_)),
+            _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
+        };
+        if reads { usable_part(&mut self.reader, &self.field.points, vertex, marks) } else { 0.0 }
     }
 
     /// Sums up the corners of `mask` for the normal, those that are not known yet.

@@ -57,6 +57,10 @@ impl<'a> Evaluator<'a> {
                 self.shoot(x, falloff);
                 self.six_axis()
             }
+            Field::ByLight { falloff } => {
+                self.shoot(x, falloff);
+                [Vec4::ZERO; 12]
+            }
             Field::Scalar { falloff, scale } => {
                 self.shoot(x, falloff);
                 let mut values = [Vec4::ZERO; 12];

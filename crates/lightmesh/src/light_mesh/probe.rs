@@ -51,7 +51,11 @@ pub(super) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
 fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
-        let ray = Ray::new(x - direction * near, direction);
+        let mut ray = Ray::new(x - direction * near, direction);
+        if 2 * front >= INSIDE.len() {
+            // It is not inside, but it may be on a surface.
+            ray.t_max = 2.0 * near;
+        }
         if let Some(hit) = scene.bvh().closest(&ray) {
             if hit.t < 2.0 * near {
                 return true;

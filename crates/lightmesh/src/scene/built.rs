@@ -126,6 +126,11 @@ impl Scene {
         &self.frames[instance as usize]
     }
 
+    /// Whether any texture is averaged over what a sample sees of it.
+    pub(crate) fn averages_textures(&self) -> bool {
+        self.data.materials.iter().any(|material| material.has_averaged_textures())
+    }
+
     /// The smaller copies of an image of colours.
     pub(crate) fn pyramid(&self, image: usize) -> &Pyramid {
         &self.pyramids[image]
