@@ -56,7 +56,7 @@ pub(crate) enum Trust {
 
 impl Care {
     /// That of the hybrid method: docs/accuracy.md has what each rule costs and brings.
-    pub(crate) const HYBRID: Self = Self { quantum: 0.003, much: [0.6, 0.15], trust: Trust::Agreed };
+    pub(crate) const HYBRID: Self = Self { quantum: 0.0035, much: [0.3, 0.12], trust: Trust::Agreed };
 }
 
 /// Rays that wait to be shot, at most, but for those of one surface.

@@ -100,12 +100,14 @@ const PLANE_SLACK: f32 = 25.0;
 /// How much nearer than the reader itself, in the same unit: rounding.
 const SLACK: f32 = 4.0;
 
-/// Whether a corner, looking towards `side` of the cell, meets a surface before the plane of normal `ng` over which the corners
-/// have these `heights`, in spacings: whatever reader lies on the plane, [`parted`] says no where this does.
-pub(super) fn any_before_plane(side: usize, ng: Vec3, heights: &ByCorner, room: &ByCorner) -> bool {
+/// The corners that, looking towards `side` of the cell, meet a surface before the plane of normal `ng` over which they
+/// have these `heights`, in spacings: whatever reader lies on the plane, [`parted`] says no where none does.
+#[inline(always)]
+pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, room: &ByCorner) -> u8 {
     let approach = if side & 1 == 0 { -ng[side / 2] } else { ng[side / 2] };
     let reader = Vec4::splat(255.0 - SLACK);
-    [0, 1].into_iter().any(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).any())
+    let before = [0, 1].map(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
+    before[0] | before[1] << 4
 }
 
 /// How far the plane is along an axis by which it comes nearer so much per spacing, in 1/255 of the spacing, less the slack.

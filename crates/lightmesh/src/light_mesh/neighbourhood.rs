@@ -105,15 +105,19 @@ pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
     // The vertex is below `place` by the offset.
     let height = NORMAL_OFFSET - vertex.ng.dot(place);
     let rest = Vec3::ONE - frac;
-    let along_x = Vec4::new(0.0, vertex.ng.x, 0.0, vertex.ng.x);
-    let along_y = Vec4::new(0.0, 0.0, vertex.ng.y, vertex.ng.y);
     let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
     let weights = [flat * rest.z, flat * frac.z];
-    let below = height + along_x + along_y;
-    let heights = [below, below + vertex.ng.z];
+    let heights = heights_above(vertex.ng, height);
     let read =
         [0, 1].map(|z| (weights[z].cmpge(Vec4::splat(MIN_WEIGHT)) & heights[z].cmpgt(Vec4::ZERO)).bitmask() as u8);
     Stencil { cell, weights, heights, read: read[0] | read[1] << 4 }
+}
+
+/// How far a cell's corners are above a plane of unit normal `ng`, if corner 0 is `height` above it, all in spacings.
+#[inline(always)]
+pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
+    let lower = height + Vec4::new(0.0, ng.x, 0.0, ng.x) + Vec4::new(0.0, 0.0, ng.y, ng.y);
+    [lower, lower + ng.z]
 }
 
 /// The coordinate of corner k of a cell.

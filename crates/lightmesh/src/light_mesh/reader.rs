@@ -7,7 +7,7 @@ use super::bricks::Slot;
 use super::clearance::{self, Clearance, Links, blocked, enclosed, links, piece, room};
 use super::level::Level;
 use super::marks::Marks;
-use super::neighbourhood::{ByCorner, Neighbourhood, ONES, Stencil, bits, corner, nearest, sphere, trilinear};
+use super::neighbourhood::{ByCorner, Neighbourhood, ONES, Stencil, bits, corner, heights_above, nearest, sphere, trilinear};
 use super::points::{Address, Points};
 use super::probe::sees;
 use crate::geometry::Ray;
@@ -40,8 +40,8 @@ pub(crate) struct Reader<'a> {
     known: u8,
     /// The last set of corners that was wanted, and whether it is in one piece.
     whole: (u8, bool),
-    /// The last plane that was judged, and whether the cell is clear before it ([`Self::is_clear`]).
-    plane: (Vec3, f32),
+    /// The last plane that was judged, for which corners, and whether the cell is clear before it ([`Self::is_clear`]).
+    plane: (Vec3, f32, u8),
     clear: bool,
     sight: Sight,
     visits: u64,
@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
             rooms: [[Vec4::ZERO; 2]; 6],
             known: 0,
             whole: (0, true),
-            plane: (Vec3::ZERO, 0.0),
+            plane: (Vec3::ZERO, 0.0, 0),
             clear: false,
             sight,
             visits: 0,
@@ -285,7 +285,7 @@ impl<'a> Reader<'a> {
             return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
         if self.sight == Sight::Unchecked {
-            self.cluttered = !self.is_clear(vertex, &stencil);
+            self.cluttered = !self.is_clear(vertex, &stencil, usable);
             let mask = if is_remnant(&stencil, read, usable) { self.look_at_each(vertex, usable) } else { usable };
             return self.seen(mask, &stencil, read, refined);
         }
@@ -294,7 +294,7 @@ impl<'a> Reader<'a> {
         }
         let parted = if is_remnant(&stencil, read, usable) {
             usable
-        } else if self.is_clear(vertex, &stencil) {
+        } else if self.is_clear(vertex, &stencil, u8::MAX) {
             self.enclosed & usable
         } else {
             self.parted(vertex, &stencil) & usable
@@ -351,19 +351,19 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether nothing stands before the vertex' plane in the whole cell, so that nothing can part any vertex on that plane from a
-    /// corner: [`Self::parted`] then is what [`Self::enclosed`] is. Planes are told apart by their normal and their height in 1/256
-    /// of the spacing, and judged by the upper end of that step.
+    /// Whether nothing stands between the vertex' plane and some corners of the cell, as far as they see along the axes. Asked of all
+    /// eight, nothing can part any vertex on that plane from a corner: [`Self::parted`] then is what [`Self::enclosed`] is.
+    /// Planes are told apart by their normal and their height in 1/256 of the spacing, and judged by the upper end of that step.
     #[inline(always)]
-    fn is_clear(&mut self, vertex: &Vertex, stencil: &Stencil) -> bool {
+    fn is_clear(&mut self, vertex: &Vertex, stencil: &Stencil, corners: u8) -> bool {
         // The offset keeps walls on and half-way between lattice planes, the most of them, off the edges of steps.
         let step = (stencil.heights[0].x * 256.0 + 0.382).ceil();
-        if self.plane != (vertex.ng, step) {
-            let rise = Vec4::splat(step / 256.0 - stencil.heights[0].x);
-            let heights = stencil.heights.map(|h| h + rise);
-            self.plane = (vertex.ng, step);
+        if self.plane != (vertex.ng, step, corners) {
+            // Of the step, not of the vertex: the answer must not depend on which of them comes first.
+            let heights = heights_above(vertex.ng, step * (1.0 / 256.0));
+            self.plane = (vertex.ng, step, corners);
             self.clear = bits(self.blocked)
-                .all(|side| !clearance::any_before_plane(side, vertex.ng, &heights, &self.room(side)));
+                .all(|side| clearance::before_plane(side, vertex.ng, &heights, &self.room(side)) & corners == 0);
         }
         self.clear
     }
