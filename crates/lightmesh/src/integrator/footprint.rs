@@ -27,7 +27,11 @@ pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place:
             let corners = (i as usize, j as usize, k as usize);
             let edges = Edges::new(&placed.world_from_object, &mesh.positions, corners);
             let [first, second] = &mesh.uvs;
-            [section.on(edges.growth(first, corners)), section.on(edges.growth(second, corners))]
+            let on = |uvs: &[Vec2]| match uvs {
+                [] => Footprint::POINT,
+                _ => section.on(edges.growth(uvs, corners)),
+            };
+            [on(first), on(second)]
         }
         Target::Sphere(i) => [section.on(growth_on_sphere(&scene.data().spheres[i as usize], place.position)); 2],
         Target::Shape(_) => [Footprint::POINT; 2],
@@ -80,11 +84,8 @@ impl Edges {
         Self((e2.cross(per_area), per_area.cross(e1)))
     }
 
-    /// Of texture coordinates; none where there are none.
+    /// Of texture coordinates.
     fn growth(&self, uvs: &[Vec2], (i, j, k): (usize, usize, usize)) -> Growth {
-        if uvs.is_empty() {
-            return (Vec3::ZERO, Vec3::ZERO);
-        }
         let Self((b, c)) = *self;
         let (e1, e2) = (uvs[j] - uvs[i], uvs[k] - uvs[i]);
         (b * e1.x + c * e2.x, b * e1.y + c * e2.y)

@@ -97,9 +97,7 @@ impl Texture {
         let middle = Vec2::new(fold(self.wrap_s, middle.x), fold(self.wrap_t, middle.y));
         let along = |image: &ImageData, count: u32| {
             let step = taps.major / count as f32;
-            let first = middle - step * (0.5 * (count - 1) as f32);
-            let sum: Vec4 = (0..count).map(|i| self.sample(image, first + step * i as f32, decode)).sum();
-            sum / count as f32
+            self.sample_row(image, (middle - step * (0.5 * (count - 1) as f32), step), count, decode)
         };
         if taps.level == 0 && taps.above == 0.0 {
             return along(image, taps.count);

@@ -105,22 +105,51 @@ pub struct TextureRef {
 impl Texture {
     /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
     pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: Decode) -> Vec4 {
+        self.sample_row(image, (uv, Vec2::ZERO), 1, decode)
+    }
+
+    /// The mean of `count` lookups, > 0, the first of them at `first`, each a `step` after the one before.
+    pub(super) fn sample_row(
+        &self,
+        image: &ImageData,
+        (first, step): (Vec2, Vec2),
+        count: u32,
+        decode: Decode,
+    ) -> Vec4 {
         // One loop body for each way to store texels: many lookups make a picture.
         match (&image.texels, decode) {
-            (Texels::Rgba32F(t), _) => self.combine(image, uv, |i| Vec4::from_array(t[i])),
-            (Texels::Rgba8(t), Decode::Linear) => self.combine(image, uv, |i| linear_from_bytes(t[i])),
+            (Texels::Rgba32F(t), _) => self.mean(image, (first, step), count, |i| Vec4::from_array(t[i])),
+            (Texels::Rgba8(t), Decode::Linear) => {
+                self.mean(image, (first, step), count, |i| linear_from_bytes(t[i]))
+            }
             (Texels::Rgba8(t), Decode::Srgb) => {
                 let table = srgb_table();
-                self.combine(image, uv, |i| linear_from_srgb_bytes(table, t[i]))
+                self.mean(image, (first, step), count, |i| linear_from_srgb_bytes(table, t[i]))
             }
         }
     }
 
+    #[inline(always)]
+    fn mean(
+        &self,
+        image: &ImageData,
+        (first, step): (Vec2, Vec2),
+        count: u32,
+        texel: impl Fn(usize) -> Vec4,
+    ) -> Vec4 {
+        if count == 1 {
+            return self.combine(image, first, texel);
+        }
+        let sum: Vec4 = (0..count).map(|i| self.combine(image, first + step * i as f32, &texel)).sum();
+        sum / count as f32
+    }
+
     /// The texels about `uv`, as the filter says.
+    #[inline(always)]
     fn combine(&self, image: &ImageData, uv: Vec2, texel: impl Fn(usize) -> Vec4) -> Vec4 {
         let (x, y) = (uv.x * image.width as f32, uv.y * image.height as f32);
-        let column = |i: i64| wrap(self.wrap_s, i, image.width);
-        let row = |j: i64| wrap(self.wrap_t, j, image.height) * image.width as usize;
+        let column = |i: i32| wrap(self.wrap_s, i, image.width);
+        let row = |j: i32| wrap(self.wrap_t, j, image.height) * image.width as usize;
         match self.filter {
             Filter::Nearest => texel(row(floor(y)) + column(floor(x))),
             Filter::Bilinear => {
@@ -158,14 +187,25 @@ impl Decode {
     }
 }
 
+/// Each byte over 255: divisions are slow.
+static UNIT: [f32; 256] = {
+    let mut unit = [0.0; 256];
+    let mut i = 0;
+    while i < 256 {
+        unit[i] = i as f32 / 255.0;
+        i += 1;
+    }
+    unit
+};
+
 #[inline]
 fn linear_from_bytes([r, g, b, a]: [u8; 4]) -> Vec4 {
-    Vec4::new(f32::from(r), f32::from(g), f32::from(b), f32::from(a)) / 255.0
+    Vec4::new(UNIT[r as usize], UNIT[g as usize], UNIT[b as usize], UNIT[a as usize])
 }
 
 #[inline]
 fn linear_from_srgb_bytes(table: &[f32; 256], [r, g, b, a]: [u8; 4]) -> Vec4 {
-    Vec4::new(table[r as usize], table[g as usize], table[b as usize], f32::from(a) / 255.0)
+    Vec4::new(table[r as usize], table[g as usize], table[b as usize], UNIT[a as usize])
 }
 
 /// Linear value of an sRGB byte.
@@ -184,12 +224,12 @@ fn srgb_table() -> &'static [f32; 256] {
     })
 }
 
-/// Floor as an integer; coordinates beyond ±2⁴⁰ (and NaN) count as 0, so that an absurd uv stays in range.
+/// Floor as an integer; coordinates beyond ±2³⁰ (and NaN) count as 0, so that an absurd uv stays in range.
 #[inline]
-fn floor(x: f32) -> i64 {
-    if x.abs() < 1.1e12 {
-        let towards_zero = x as i64;
-        towards_zero - i64::from(x < towards_zero as f32)
+fn floor(x: f32) -> i32 {
+    if x.abs() < (1 << 30) as f32 {
+        let towards_zero = x as i32;
+        towards_zero - i32::from(x < towards_zero as f32)
     } else {
         0
     }
@@ -206,12 +246,12 @@ pub(super) fn fold(mode: Wrap, u: f32) -> f32 {
 
 /// The texel index in 0..n that `mode` gives index `i`.
 #[inline]
-fn wrap(mode: Wrap, i: i64, n: u32) -> usize {
-    let n = i64::from(n);
+fn wrap(mode: Wrap, i: i32, n: u32) -> usize {
     // Most are inside, and divisions are slow.
-    if (0..n).contains(&i) {
+    if (i as u32) < n {
         return i as usize;
     }
+    let (i, n) = (i64::from(i), i64::from(n));
     let j = match mode {
         Wrap::Repeat => i.rem_euclid(n),
         Wrap::ClampToEdge => i.clamp(0, n - 1),
