@@ -45,10 +45,21 @@ impl LitVertices {
         self.waiting.clear();
     }
 
-    /// Takes Σ of formula (2), without visibility, for every vertex; those that face any light wait to be shaded.
+    /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that face any light wait to be shaded.
+    fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
+        let vertices = self.vertices.iter().map(|vertex| (vertex.position, vertex.n));
+        scene.lights().irradiance(scene.level(), falloff, vertices, &mut self.direct);
+        self.await_lit();
+    }
+
+    /// Takes the same sums.
     fn take_unshadowed(&mut self, sums: &[Vec3]) {
         self.direct.clear();
         self.direct.extend_from_slice(sums);
+        self.await_lit();
+    }
+
+    fn await_lit(&mut self) {
         self.waiting.clear();
         let lit = |&i: &u32| self.direct[i as usize] != Vec3::ZERO;
         self.waiting.extend((0..self.vertices.len() as u32).filter(lit));
@@ -189,6 +200,9 @@ impl DirectLighting<'_, '_> {
         match shading {
             Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
             Shading::ByLight { .. } | Shading::Unbiased { .. } => lists.iter_mut().for_each(|list| list.await_all()),
+            Shading::MeanVisibility if !self.field.lights().has_clusters() => {
+                lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
+            }
             Shading::MeanVisibility => {
                 let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
                 let sums = self.field.lights_mut().irradiance(scene, falloff, &vertices.collect::<Vec<_>>());

@@ -89,6 +89,11 @@ impl LightRegions {
         self.error == options.light_error
     }
 
+    /// Whether there are so many lights that nodes of a tree stand for them.
+    pub(crate) fn has_clusters(&self) -> bool {
+        self.tree.is_some()
+    }
+
     /// Memory of the cuts, bytes.
     pub(super) fn bytes(&self) -> u64 {
         self.kept_bytes
