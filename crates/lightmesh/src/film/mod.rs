@@ -200,15 +200,18 @@ impl Film {
 
     /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the
     /// pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own bits (Kollig and Keller,
-    /// "Efficient Multidimensional Sampling", 2002): strata stay strata.
+    /// "Efficient Multidimensional Sampling", 2002): strata stay strata. Of as many digits as there are strata along an axis; a point
+    /// is in the middle of its own, which halves the squared error of an edge that runs along an axis: ∫ f(1 − f) df = 1/6 becomes
+    /// ∫ min(f, 1 − f)² df = 1/12.
     pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
             let bits = hash(hash(self.seed as u32 ^ hash((self.seed >> 32) as u32)) ^ sample.pixel);
             let [x, y] = self.offsets[sample.index as usize];
-            // 24 bits: what f32 holds below 1.
-            let unit = |digits: u32| (digits >> 8) as f32 * (1.0 / (1 << 24) as f32);
-            offset = Vec2::new(unit(x ^ bits), unit(y ^ hash(bits)));
+            // At most 2²³ strata: f32 holds their middles.
+            let digits = self.offsets.len().next_power_of_two().ilog2().min(23);
+            let middle = |number: u32| ((number >> (32 - digits)) as f32 + 0.5) / (1 << digits) as f32;
+            offset = Vec2::new(middle(x ^ bits), middle(y ^ hash(bits)));
         }
         let ray = self.rays.ray(sample.x as f32 + offset.x, sample.y as f32 + offset.y);
         if !self.cones {
@@ -304,6 +307,23 @@ mod tests {
             strata.dedup();
             assert_eq!(strata.len(), 16);
         }
+    }
+
+    /// An edge along a row of pixels covers the part f of them. Four samples say one of five parts, the nearest: the mean of the squared
+    /// errors over f is 1/12 of a stratum's square, where samples anywhere in their strata would have 1/6.
+    #[test]
+    fn edges_along_rows_are_as_exact_as_strata_let_them_be() {
+        let film = film(64, 1, 4);
+        let heights: Vec<Vec<f32>> = (0..64)
+            .map(|pixel| film.samples(4 * pixel..4 * pixel + 4).map(|s| film.rays.position(&film.ray(s).0).y).collect())
+            .collect();
+        let error = |i: usize| {
+            let f = (i as f32 + 0.5) / 640.0;
+            let covered = heights[i % 64].iter().filter(|&&y| y < f).count();
+            (covered as f32 / 4.0 - f).powi(2)
+        };
+        let mean = (0..640).map(error).sum::<f32>() / 640.0;
+        assert!((mean * 16.0 - 1.0 / 12.0).abs() < 0.005, "{mean}");
     }
 
     #[test]

@@ -7,7 +7,9 @@ use super::bricks::Slot;
 use super::clearance::{self, Clearance, Links, blocked, enclosed, links, piece, room};
 use super::level::Level;
 use super::marks::Marks;
-use super::neighbourhood::{ByCorner, Neighbourhood, ONES, Stencil, bits, corner, heights_above, nearest, sphere, trilinear};
+use super::neighbourhood::{
+    ByCorner, Neighbourhood, ONES, Stencil, bits, corner, heights_above, nearest, sphere, trilinear,
+};
 use super::points::{Address, Points};
 use super::probe::sees;
 use crate::geometry::Ray;

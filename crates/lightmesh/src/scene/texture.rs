@@ -119,9 +119,7 @@ impl Texture {
         // One loop body for each way to store texels: many lookups make a picture.
         match (&image.texels, decode) {
             (Texels::Rgba32F(t), _) => self.mean(image, (first, step), count, |i| Vec4::from_array(t[i])),
-            (Texels::Rgba8(t), Decode::Linear) => {
-                self.mean(image, (first, step), count, |i| linear_from_bytes(t[i]))
-            }
+            (Texels::Rgba8(t), Decode::Linear) => self.mean(image, (first, step), count, |i| linear_from_bytes(t[i])),
             (Texels::Rgba8(t), Decode::Srgb) => {
                 let table = srgb_table();
                 self.mean(image, (first, step), count, |i| linear_from_srgb_bytes(table, t[i]))
@@ -130,13 +128,7 @@ impl Texture {
     }
 
     #[inline(always)]
-    fn mean(
-        &self,
-        image: &ImageData,
-        (first, step): (Vec2, Vec2),
-        count: u32,
-        texel: impl Fn(usize) -> Vec4,
-    ) -> Vec4 {
+    fn mean(&self, image: &ImageData, (first, step): (Vec2, Vec2), count: u32, texel: impl Fn(usize) -> Vec4) -> Vec4 {
         if count == 1 {
             return self.combine(image, first, texel);
         }
