@@ -107,7 +107,7 @@ impl LitVertices {
         (shading, sight): (Shading, Sight),
     ) {
         let sight = match (shading, sight) {
-            (Shading::ByLight { .. }, Sight::Every) => Sight::Unchecked,
+            (Shading::ByLight { .. }, Sight::Every) | (_, Sight::One) => Sight::Unchecked,
             _ => sight,
         };
         let reader = field.reader(scene, sight);

@@ -39,6 +39,8 @@ pub(crate) enum Indirect {
         /// Other seeds give other rays.
         seed: u64,
     },
+    /// From so many gather rays of their own, with the mesh as control variate where they end.
+    Unbiased { rays: u32, seed: u64 },
 }
 
 impl Shading {
@@ -60,7 +62,11 @@ impl Plan {
             Method::Hybrid => (Shading::by_light(Care::HYBRID, options), unbiased(1)),
             Method::Unbiased => (unbiased(options.rays), unbiased(1)),
         };
-        Self { seen, gathered, indirect: Indirect::Mesh }
+        let indirect = match options.method {
+            Method::Unbiased => Indirect::Unbiased { rays: options.rays, seed: options.seed },
+            _ => Indirect::Mesh,
+        };
+        Self { seen, gathered, indirect }
     }
 
     /// How vertices that look at the mesh like this take their direct light.

@@ -13,7 +13,7 @@ use super::refine::{LitHit, refine};
 use super::surface::Vertex;
 use super::watch::Watch;
 use crate::film::Film;
-use crate::light_mesh::{IndirectField, LightMarks, LightMesh, Marks, Sight};
+use crate::light_mesh::{IndirectField, LightMarks, LightMesh, Marks, Paths, Sight};
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
@@ -237,11 +237,19 @@ fn light_indirectly(
     // Where nothing could be read, rays are gathered at the surface itself.
     let started = Instant::now();
     let orphans: Vec<Vertex> = blocks.iter().flat_map(Block::orphans).copied().collect();
-    let seed = match direct.plan.indirect {
-        Indirect::Mesh => direct.options.seed,
-        Indirect::Gathered { seed } => direct.options.seed ^ seed << 32,
+    let gathered = match direct.plan.indirect {
+        Indirect::Mesh => {
+            let seed = direct.options.seed;
+            field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?
+        }
+        Indirect::Gathered { seed } => {
+            let seed = direct.options.seed ^ seed << 32;
+            field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?
+        }
+        Indirect::Unbiased { rays, seed } => {
+            field.estimate_at(&mut direct, marks, &orphans, Paths { bounces, rays, seed })?
+        }
     };
-    let gathered = field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?;
     if direct.plan.indirect == Indirect::Mesh {
         direct.stats.gather_fallbacks += orphans.len() as u64;
     }

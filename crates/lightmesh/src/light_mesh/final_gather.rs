@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::gather::Gather;
+use super::gather::{Gather, Heights};
 use super::indirect::{IndirectField, IndirectReading};
 use super::marks::Marks;
 use super::reader::Sight;
@@ -36,7 +36,7 @@ impl IndirectField {
             let batch = &mut gathers[..chunk.len()];
             let (scene, options) = (direct.scene, direct.options);
             batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemisphere(scene, options, vertex, (RAYS, seed));
+                gather.hemisphere(scene, options, vertex, (RAYS, seed, Heights::Even));
                 if bounces == 0 {
                     gather.lit.vertices.clear();
                 }

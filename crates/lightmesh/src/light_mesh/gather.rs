@@ -61,8 +61,17 @@ fn octahedral_morton(d: Vec3) -> u32 {
     (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
 }
 
+/// How rays of a hemisphere are spread over its heights, of which each has an equal part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Heights {
+    /// In the middle of its part: least noise where there are many.
+    Even,
+    /// Anywhere in it: the expectation is exact.
+    Random,
+}
+
 /// 32 bits as a number in [0, 1), 24 of them.
-fn unit(bits: u32) -> f32 {
+pub(super) fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
 }
 
@@ -77,7 +86,7 @@ fn seed_of_coordinate(seed: u64, c: Coordinate) -> u32 {
 }
 
 /// The seed of a surface point.
-fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
+pub(super) fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
     seed_of_coordinate(seed, Coordinate::from_array(p.to_array().map(f32::to_bits)))
 }
 
@@ -116,7 +125,7 @@ impl Gather {
         scene: &Scene,
         options: &RenderOptions,
         vertex: &Vertex,
-        (count, seed): (u32, u64),
+        (count, seed, heights): (u32, u64, Heights),
     ) {
         let seed = seed_of_surface(seed, vertex.position);
         let (t, b) = basis(vertex.n);
@@ -124,7 +133,11 @@ impl Gather {
         self.lobes.resize(count as usize, Vec3::X * (PI / count as f32));
         self.batch.clear();
         self.batch.extend((0..count).map(|i| {
-            let u = Vec2::new((i as f32 + 0.5) / count as f32, unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed)));
+            let height = match heights {
+                Heights::Even => 0.5,
+                Heights::Random => unit(hash(seed ^ hash(!i))),
+            };
+            let u = Vec2::new((i as f32 + height) / count as f32, unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed)));
             let local = sample_cosine_hemisphere(u);
             let direction = t * local.x + b * local.y + vertex.n * local.z;
             Ray::new(vertex.origin_towards(direction), direction)

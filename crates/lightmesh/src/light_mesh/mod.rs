@@ -24,6 +24,7 @@ mod neighbourhood;
 mod points;
 mod probe;
 mod reader;
+mod unbiased_gather;
 mod usable;
 
 use glam::UVec3;
@@ -37,6 +38,7 @@ pub(crate) use marks::Marks;
 use neighbourhood::Neighbourhood;
 pub(crate) use points::Points;
 pub(crate) use reader::Sight;
+pub(crate) use unbiased_gather::Paths;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
 /// neighbourhood, light error, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
