@@ -36,7 +36,7 @@ impl IndirectField {
             let batch = &mut gathers[..chunk.len()];
             let (scene, options) = (direct.scene, direct.options);
             batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemisphere(scene, options, vertex, (RAYS, seed, Heights::Even));
+                gather.hemispheres(scene, options, std::slice::from_ref(vertex), (RAYS, seed, Heights::Even));
                 if bounces == 0 {
                     gather.lit.vertices.clear();
                 }

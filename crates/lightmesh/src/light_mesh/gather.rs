@@ -32,6 +32,8 @@ pub(super) struct Gather {
     /// Rays traced.
     pub rays: u64,
     batch: Vec<Ray>,
+    /// What each ray's choices are made with.
+    seeds: Vec<u32>,
     hits: Vec<Option<Hit>>,
 }
 
@@ -116,37 +118,43 @@ impl Gather {
         for d in &mut self.lobes {
             *d *= Vec3::select(d.cmpge(Vec3::ZERO), positive, negative);
         }
-        self.trace(scene, options, seed);
+        self.seeds.clear();
+        self.seeds.extend((0..directions.len() as u32).map(|i| hash(seed ^ hash(i))));
+        self.trace(scene, options);
     }
 
-    /// Shoots `count` rays from a surface, in proportion to the cosine; other seeds give other rays. Lobes: π / count, in x.
-    pub(super) fn hemisphere(
+    /// Shoots `count` rays from each of some surfaces, in proportion to the cosine; other seeds give other rays. Lobes: π / count, in x.
+    pub(super) fn hemispheres(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        vertex: &Vertex,
+        vertices: &[Vertex],
         (count, seed, heights): (u32, u64, Heights),
     ) {
-        let seed = seed_of_surface(seed, vertex.position);
-        let (t, b) = basis(vertex.n);
         self.lobes.clear();
-        self.lobes.resize(count as usize, Vec3::X * (PI / count as f32));
+        self.lobes.resize(vertices.len() * count as usize, Vec3::X * (PI / count as f32));
         self.batch.clear();
-        self.batch.extend((0..count).map(|i| {
-            let height = match heights {
-                Heights::Even => 0.5,
-                Heights::Random => unit(hash(seed ^ hash(!i))),
-            };
-            let u = Vec2::new((i as f32 + height) / count as f32, unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed)));
-            let local = sample_cosine_hemisphere(u);
-            let direction = t * local.x + b * local.y + vertex.n * local.z;
-            Ray::new(vertex.origin_towards(direction), direction)
-        }));
-        self.trace(scene, options, seed);
+        self.seeds.clear();
+        for vertex in vertices {
+            let seed = seed_of_surface(seed, vertex.position);
+            let (t, b) = basis(vertex.n);
+            for i in 0..count {
+                let height = match heights {
+                    Heights::Even => 0.5,
+                    Heights::Random => unit(hash(seed ^ hash(!i))),
+                };
+                let azimuth = unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
+                let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
+                let direction = t * local.x + b * local.y + vertex.n * local.z;
+                self.batch.push(Ray::new(vertex.origin_towards(direction), direction));
+                self.seeds.push(hash(seed ^ hash(i)));
+            }
+        }
+        self.trace(scene, options);
     }
 
     /// Follows every ray to a diffuse surface.
-    fn trace(&mut self, scene: &Scene, options: &RenderOptions, seed: u32) {
+    fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
         self.hits.clear();
         self.hits.resize(self.batch.len(), None);
         scene.bvh().closest_batch(&self.batch, &mut self.hits);
@@ -155,7 +163,7 @@ impl Gather {
         self.lit.vertices.clear();
         for i in 0..self.batch.len() {
             if let Some(hit) = self.hits[i] {
-                self.follow(scene, options, i as u32, hit, hash(seed ^ hash(i as u32)));
+                self.follow(scene, options, i as u32, hit, self.seeds[i]);
             }
         }
     }

@@ -6,8 +6,10 @@
 //!
 //! > M + (U − M) / q if it goes on, M if not
 //!
-//! has the expectation E_{k−1}, whatever M is. Where no point can be read all rays go on. It is final gathering with a correction
-//! for the mesh: with q = 0 it would be the mesh's own answer, with M = 0 and q = 1 path tracing.
+//! has the expectation E_{k−1}, whatever M is; where no point can be read, 0. It is final gathering with a correction
+//! for the mesh: with q = 0 it would be the mesh's own answer, with M = 0 path tracing with Russian roulette.
+
+use std::f32::consts::PI;
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -19,11 +21,13 @@ use super::reader::Sight;
 use crate::Error;
 use crate::integrator::{DirectLighting, Vertex, hash};
 
-/// q. Empirical: docs/accuracy.md has error and time of others.
-const GO_ON: f32 = 0.25;
+/// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q = 1, and the noise
+/// of a ray that goes on and on does not grow. Empirical: docs/accuracy.md has error and time of others.
+const GO_ON: std::ops::RangeInclusive<f32> = 0.05..=0.95;
 
-/// Surface points whose rays are alive at a time.
-const AT_ONCE: usize = 4096;
+/// Surface points whose rays are alive at a time, and rays that make a list.
+const AT_ONCE: usize = 1 << 14;
+const RAYS: usize = 256;
 
 /// What rays are shot from each surface.
 #[derive(Clone, Copy, Debug)]
@@ -52,11 +56,15 @@ impl IndirectField {
             irradiance.resize(vertices.len(), Vec3::ZERO);
             return Ok(irradiance);
         }
+        let together = (RAYS / paths.rays as usize).max(1);
+        let mut gathers: Vec<Gather> = Vec::new();
         for chunk in vertices.chunks(AT_ONCE) {
-            let mut batch: Vec<Gather> = chunk.iter().map(|_| Gather::default()).collect();
+            let lists = chunk.len().div_ceil(together);
+            gathers.resize_with(gathers.len().max(lists), Gather::default);
+            let batch = &mut gathers[..lists];
             let (scene, options) = (direct.scene, direct.options);
-            batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemisphere(scene, options, vertex, (paths.rays, paths.seed, Heights::Random));
+            batch.par_iter_mut().zip(chunk.par_chunks(together)).for_each(|(gather, vertices)| {
+                gather.hemispheres(scene, options, vertices, (paths.rays, paths.seed, Heights::Random));
                 if paths.bounces == 0 {
                     gather.lit.vertices.clear();
                 }
@@ -64,20 +72,25 @@ impl IndirectField {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
             let seconds = direct.light(Sight::One, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
-            let arriving = self.correct(direct, marks, &batch, paths)?;
+            let arriving = self.correct(direct, marks, batch, paths)?;
             let mut arriving = arriving.as_slice();
-            for mut gather in batch {
-                let lobe = |ray: u32| gather.lobes[ray as usize].x;
-                let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
+            for (gather, vertices) in batch.iter_mut().zip(chunk.chunks(together)) {
+                let first = irradiance.len();
+                irradiance.resize(first + vertices.len(), Vec3::ZERO);
+                let sums = &mut irradiance[first..];
+                let mut add = |ray: u32, radiance: Vec3| {
+                    sums[(ray / paths.rays) as usize] += radiance * gather.lobes[ray as usize].x;
+                };
+                gather.emitted.iter().for_each(|&(ray, radiance)| add(ray, radiance));
                 let (own, others) = arriving.split_at(gather.lit.vertices.len());
                 for ((vertex, &direct), &indirect) in gather.lit.vertices.iter().zip(&gather.lit.direct).zip(own) {
-                    sum += vertex.weight * lobe(vertex.pixel) * (direct + indirect);
+                    add(vertex.pixel, vertex.weight * (direct + indirect));
                 }
-                irradiance.push(sum);
                 arriving = others;
                 gather.lit.take_counts(direct.stats);
-                direct.stats.rays.gather += gather.rays;
-                direct.reporter.add(0, gather.rays);
+                let rays = std::mem::take(&mut gather.rays);
+                direct.stats.rays.gather += rays;
+                direct.reporter.add(0, rays);
             }
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
@@ -99,7 +112,7 @@ impl IndirectField {
         let (mut arriving, mut going_on, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for vertex in batch.iter().flat_map(|gather| &gather.lit.vertices) {
             let reading = readings.next().flatten();
-            let q = if reading.is_some() { GO_ON } else { 1.0 };
+            let q = (PI * vertex.weight.max_element()).clamp(*GO_ON.start(), *GO_ON.end());
             // Not the numbers that the rays' directions are made of.
             if unit(hash(seed_of_surface(!paths.seed, vertex.position))) < q {
                 going_on.push(*vertex);
