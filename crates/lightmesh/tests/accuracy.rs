@@ -115,6 +115,39 @@ fn indirect_light_of_both_methods_is_that_of_the_mesh() {
     }
 }
 
+/// Indirect light too: the mean of pictures of many seeds is that of path tracing within the standard error of both, though the points of
+/// the mesh are a metre apart and its own picture is several such errors off.
+#[test]
+fn unbiased_indirect_light_is_that_of_paths() {
+    let scene = hall();
+    let light = |method, spp, seed| {
+        let options = RenderOptions {
+            bounces: 3,
+            spp,
+            seed,
+            indirect_spacing: Spacing::Metres(1.0),
+            gather_rays: 16,
+            ..options(method)
+        };
+        let image = shoot(&scene, &room_camera(), &options).image;
+        image.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
+    };
+    // Mean and squared standard error.
+    let mean = |method, spp| {
+        let lights: Vec<f64> = (0..16).map(|seed| light(method, spp, seed)).collect();
+        let n = lights.len() as f64;
+        let mean = lights.iter().sum::<f64>() / n;
+        (mean, lights.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / (n - 1.0) / n)
+    };
+    let (paths, unbiased) = (mean(Method::Path, 16), mean(Method::Unbiased, 2));
+    let error = (paths.1 + unbiased.1).sqrt();
+    assert!(error < 0.002 * paths.0, "{error} of {}", paths.0);
+    // Student's t with some 30 degrees of freedom: beyond 4.5 once in 10,000.
+    assert!((unbiased.0 - paths.0).abs() < 4.5 * error, "{unbiased:?} and {paths:?}");
+    let mesh = light(Method::Hybrid, 2, 0);
+    assert!((mesh - paths.0).abs() > 9.0 * error, "{mesh} and {paths:?}, within {error}");
+}
+
 /// True error at most 1.25 times the bound, and the estimate within half of the truth and of the bound; each bound takes more rays
 /// than the last.
 #[test]
