@@ -16,8 +16,8 @@ pub enum Method {
     Standard,
     /// What the mesh points know of each single light, and shadow rays to those about which they disagree.
     Hybrid,
-    /// The mesh as control variate of light sampling, [`RenderOptions::rays`] shadow rays at each hit: converges to the exact
-    /// picture.
+    /// The mesh as control variate of light sampling, [`RenderOptions::rays`] shadow rays at each hit, and the indirect mesh as that of as
+    /// many gather rays: converges to the exact picture.
     Unbiased,
     /// Unidirectional path tracing with next-event estimation over all lights: the truth.
     Path,
@@ -137,7 +137,7 @@ pub struct RenderOptions {
     /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all, or where
     /// there is a bound on the error twice.
     pub refine: Option<u32>,
-    /// Shadow rays at each hit with [`Method::Unbiased`]; 1 to 65536.
+    /// Shadow rays at each hit with [`Method::Unbiased`], and gather rays where there is indirect light; 1 to 65536.
     pub rays: u32,
     /// How mesh points are combined.
     pub interpolation: Interpolation,
@@ -278,8 +278,8 @@ impl RenderOptions {
             if refine > 4 {
                 return bad("refine", format!("must be at most 4, not {refine}"));
             }
-            if !matches!(self.method, Method::Mesh | Method::Hybrid | Method::Unbiased) {
-                return bad("refine", "is for the methods mesh, hybrid and unbiased".into());
+            if !matches!(self.method, Method::Mesh | Method::Hybrid) {
+                return bad("refine", "is for the methods mesh and hybrid".into());
             }
             if !matches!(self.interpolation, Interpolation::Auto | Interpolation::Trilinear) {
                 return bad("interpolation", "meshes that are refined are read trilinear".into());

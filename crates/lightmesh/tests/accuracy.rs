@@ -220,7 +220,8 @@ fn what_came_before_does_not_matter() {
     let with = |method, refine, error| RenderOptions { refine, error, bounces: 1, spp: 2, ..options(method) };
     for options in [
         with(Method::Hybrid, None, None),
-        with(Method::Unbiased, Some(1), None),
+        with(Method::Hybrid, Some(1), None),
+        with(Method::Unbiased, None, None),
         with(Method::Mesh, Some(2), None),
         with(Method::Mesh, None, Some(0.05)),
     ] {

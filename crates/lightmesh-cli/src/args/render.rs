@@ -108,7 +108,7 @@ pub(crate) struct RenderArgs {
     /// How often the meshes may halve their spacing where their light is not good enough, 0 to 4 [default: 0, with --error 2]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(..=4), help_heading = "Light mesh")]
     refine: Option<u32>,
-    /// Shadow rays at each hit with --method unbiased, 1 to 65536
+    /// Shadow rays, and gather rays if there are bounces, at each hit with --method unbiased, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     rays: u32,
     /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);

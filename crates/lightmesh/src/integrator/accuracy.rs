@@ -15,12 +15,12 @@
 use glam::Vec3;
 
 use super::by_light::{Care, Trust};
+use super::pilot::light_pixels;
 use super::plan::{Indirect, Plan, Shading};
 use super::watch::Watch;
 use super::wave::WaveFrame;
 use crate::film::Film;
-use crate::progress::Reporter;
-use crate::{Error, RenderStats, Stage};
+use crate::{Error, RenderStats};
 
 /// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low once, where few
 /// pixels are wrong (a test's hall of forty lamps).
@@ -123,15 +123,12 @@ impl Truth {
         let count = (film.pixel_count() / PIXELS_PER_CHECK).clamp(*CHECKS.start(), *CHECKS.end());
         let pixels = film.draw(frame.options.seed, set, count);
         let plan = frame.plan;
-        frame.plan = Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed: 1 }, ..plan };
-        let (first, rays) = light(frame, film, &pixels, watch, stats)?;
-        let second = if frame.is_direct() {
-            first.clone()
-        } else {
-            frame.plan.indirect = Indirect::Gathered { seed: 2 };
-            light(frame, film, &pixels, watch, stats)?.0
+        let truth = |seed| Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed }, ..plan };
+        let (first, rays) = light(frame, film, &pixels, truth(1), watch, stats)?;
+        let second = match frame.is_direct() {
+            true => first.clone(),
+            false => light(frame, film, &pixels, truth(2), watch, stats)?.0,
         };
-        frame.plan = plan;
         let mean = first.iter().map(|sum| f64::from(sum.element_sum())).sum::<f64>() / (3 * pixels.len()) as f64;
         Ok(Self { pixels, sums: [first, second], mean, rays })
     }
@@ -144,7 +141,7 @@ impl Truth {
         watch: &mut Watch<'_>,
         stats: &mut RenderStats,
     ) -> Result<Found, Error> {
-        let (sums, rays) = light(frame, film, &self.pixels, watch, stats)?;
+        let (sums, rays) = light(frame, film, &self.pixels, frame.plan, watch, stats)?;
         let [first, second] = &self.sums;
         let squares = sums.iter().zip(first).zip(second);
         let sum: f64 = squares.map(|((&p, &a), &b)| f64::from(((p - a) * (p - b)).element_sum())).sum();
@@ -154,19 +151,19 @@ impl Truth {
     }
 }
 
-/// Lights all samples of some pixels; their sums, and shadow rays per sample.
+/// Lights all samples of some pixels by a plan; their sums, and shadow rays per sample.
 fn light(
     frame: &mut WaveFrame<'_>,
     film: &Film,
     pixels: &[u32],
+    plan: Plan,
     watch: &mut Watch<'_>,
     stats: &mut RenderStats,
 ) -> Result<(Vec<Vec3>, f64), Error> {
-    let mut film = film.of_pixels(pixels.to_vec(), frame.options.spp.min(MOST_SAMPLES));
-    let reporter = Reporter::new(watch.progress, Stage::Check, film.sample_count());
-    let before = (stats.rays.shadow, stats.rays.primary);
-    let fill_before = stats.fill_shadow_rays;
-    frame.render_pass(&mut film, watch, &reporter, stats)?;
-    let rays = (stats.rays.shadow - before.0) - (stats.fill_shadow_rays - fill_before);
-    Ok((film.sums_of(pixels), rays as f64 / (stats.rays.primary - before.1).max(1) as f64))
+    let rays_of = |stats: &RenderStats| stats.rays.shadow - stats.fill_shadow_rays;
+    let before = (rays_of(stats), stats.rays.primary);
+    let spp = frame.options.spp.min(MOST_SAMPLES);
+    let film = light_pixels(frame, film, (pixels, spp), plan, watch, stats)?;
+    let (rays, samples) = (rays_of(stats) - before.0, stats.rays.primary - before.1);
+    Ok((film.sums_of(pixels), rays as f64 / samples.max(1) as f64))
 }

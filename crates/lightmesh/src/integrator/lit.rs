@@ -107,7 +107,8 @@ impl LitVertices {
         (shading, sight): (Shading, Sight),
     ) {
         let sight = match (shading, sight) {
-            (Shading::ByLight { .. }, Sight::Every) | (_, Sight::One) => Sight::Unchecked,
+            (Shading::ByLight { .. }, Sight::Every) => Sight::Unchecked { finer: true },
+            (_, Sight::One) => Sight::Unchecked { finer: false },
             _ => sight,
         };
         let reader = field.reader(scene, sight);

@@ -13,6 +13,7 @@ mod lights_at;
 mod lit;
 mod passes;
 mod path;
+mod pilot;
 mod place;
 mod plan;
 mod refine;

@@ -72,7 +72,7 @@ impl Plan {
     /// How vertices that look at the mesh like this take their direct light.
     pub(super) fn shading(&self, sight: Sight) -> Shading {
         match sight {
-            Sight::Every | Sight::Unchecked => self.seen,
+            Sight::Every | Sight::Unchecked { .. } => self.seen,
             Sight::One => self.gathered,
         }
     }

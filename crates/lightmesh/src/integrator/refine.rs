@@ -9,14 +9,14 @@
 
 use std::collections::BTreeMap;
 
+use super::pilot::light_pixels;
 use super::plan::{Indirect, Plan, Shading};
 use super::surface::Vertex;
 use super::watch::Watch;
 use super::wave::{Lighting, WaveFrame};
 use crate::film::Film;
 use crate::light_mesh::Points;
-use crate::progress::Reporter;
-use crate::{Error, RenderStats, Stage};
+use crate::{Error, RenderStats};
 
 /// A hit with its irradiance, lux.
 #[derive(Clone, Copy, Debug)]
@@ -60,11 +60,8 @@ pub(super) fn refine(
         film.draw(frame.options.seed, 2, (film.pixel_count() / PIXELS_PER_HIT).clamp(*HITS.start(), *HITS.end()));
     let plan = frame.plan;
     let mut look = |frame: &mut WaveFrame<'_>, plan: Plan, stats: &mut RenderStats| {
-        let mut film = film.of_pixels(pixels.clone(), 1);
-        let reporter = Reporter::new(watch.progress, Stage::Check, film.sample_count());
-        frame.plan = plan;
         frame.lit_hits = Some(Vec::new());
-        frame.render_pass(&mut film, watch, &reporter, stats)?;
+        light_pixels(frame, film, (&pixels, 1), plan, watch, stats)?;
         Ok::<_, Error>(frame.lit_hits.take().unwrap_or_default())
     };
     let exact = |seed| Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed }, ..plan };
@@ -102,7 +99,6 @@ pub(super) fn refine(
             break;
         }
     }
-    frame.plan = plan;
     Ok(())
 }
 

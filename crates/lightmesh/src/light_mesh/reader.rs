@@ -66,8 +66,9 @@ pub(crate) enum Sight {
     /// which only the sum counts.
     One,
     /// All in front of it, hidden or not: for those who ask what corners know of each light, and look themselves where corners
-    /// disagree. Only where no more is left than a lesser part of what a vertex wants to read, each is looked at.
-    Unchecked,
+    /// disagree. Only where no more is left than a lesser part of what a vertex wants to read, each is looked at. On finer levels
+    /// too, or on the first one alone: what gather rays bring to points must not depend on where the picture needs more of them.
+    Unchecked { finer: bool },
 }
 
 /// What became of a read.
@@ -286,7 +287,7 @@ impl<'a> Reader<'a> {
         if usable == 0 {
             return if refined > 0.0 { Ok(Seen::nothing(refined)) } else { Err(Outcome::Nothing) };
         }
-        if self.sight == Sight::Unchecked {
+        if matches!(self.sight, Sight::Unchecked { .. }) {
             self.cluttered = !self.is_clear(vertex, &stencil, usable);
             let mask = if is_remnant(&stencil, read, usable) { self.look_at_each(vertex, usable) } else { usable };
             return self.seen(mask, &stencil, read, refined);
@@ -407,7 +408,7 @@ impl<'a> Reader<'a> {
                 if seen != 0 { seen } else { self.look_at_each(vertex, usable) }
             }
             Sight::One => self.look_for_one(vertex, stencil, usable),
-            Sight::Unchecked => usable,
+            Sight::Unchecked { .. } => usable,
         }
     }
 
@@ -461,7 +462,8 @@ impl<'a> Reader<'a> {
         self.visits += 1;
         self.slots = self.level.slots(cell);
         let last = self.at + 1 == self.points.level_count();
-        self.refined = if last || self.sight == Sight::One { 0 } else { self.level.refined(cell) };
+        let coarse = matches!(self.sight, Sight::One | Sight::Unchecked { finer: false });
+        self.refined = if last || coarse { 0 } else { self.level.refined(cell) };
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
@@ -473,7 +475,7 @@ impl<'a> Reader<'a> {
             Slot::Empty | Slot::Invalid => Clearance::default(),
         });
         self.blocked = blocked(&self.clearances, self.filled);
-        if self.sight == Sight::Unchecked {
+        if matches!(self.sight, Sight::Unchecked { .. }) {
             return;
         }
         self.links = links(&self.clearances);
