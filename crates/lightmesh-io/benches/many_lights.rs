@@ -9,16 +9,16 @@
 
 #[path = "many_lights/plot.rs"]
 mod plot;
+mod room;
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
 
 use glam::Vec3;
-use lightmesh::{Camera, Light, LightMesh, Method, RenderOptions, Scene, SceneData, Spacing, render};
-use lightmesh_io::{LoadOptions, load};
+use lightmesh::{Camera, Light, LightMesh, Method, RenderOptions, Scene, SceneData, render};
 
 use plot::{Plot, Series};
+use room::{direct_light, from_root, open};
 
 const COUNTS: [usize; 9] = [10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000];
 
@@ -29,17 +29,8 @@ const RUNS: usize = 5;
 const LONG: f64 = 10.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let data = load(&root.join("scenes/room_100.glb"), &LoadOptions::default())?.data;
-    let camera = data.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&data.bounds()));
-    let options = RenderOptions {
-        width: 800,
-        height: 800,
-        spp: 1,
-        bounces: 0,
-        spacing: Spacing::Fraction(40.0),
-        ..RenderOptions::default()
-    };
+    let (data, camera) = open("scenes/room_100.glb")?;
+    let options = direct_light(Method::Mesh, 40.0);
     // What is run, and up to how many lights.
     let methods = [
         ("mesh", options.clone(), usize::MAX),
@@ -66,11 +57,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{row}|");
     }
 
-    fs::create_dir_all(root.join("target"))?;
-    fs::write(root.join("target/many_lights.csv"), csv)?;
+    fs::create_dir_all(from_root("target"))?;
+    fs::write(from_root("target/many_lights.csv"), csv)?;
     if std::env::args().any(|a| a == "--write") {
         let plot = Plot { x: "point lights of constant total power", y: "first frame, seconds", series: &series };
-        fs::write(root.join("docs/images/many-lights.svg"), plot.svg())?;
+        fs::write(from_root("docs/images/many-lights.svg"), plot.svg())?;
     }
     Ok(())
 }
