@@ -62,8 +62,18 @@ fn pictures_are_as_near_as_they_say() {
 #[test]
 fn clusters_are_the_same_whoever_asks() {
     let scene = Scene::new(crowded()).expect("scene");
-    for method in [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased] {
-        let options = RenderOptions { bounces: 1, gather_rays: 16, ..options(method) };
+    let with = |method, refine, error: Option<f32>| {
+        let bounces = if error.is_some() { 0 } else { 1 };
+        RenderOptions { refine, error, bounces, gather_rays: 16, ..options(method) }
+    };
+    for options in [
+        with(Method::Mesh, None, None),
+        with(Method::Paper, None, None),
+        with(Method::Hybrid, None, None),
+        with(Method::Hybrid, Some(1), None),
+        with(Method::Unbiased, None, None),
+        with(Method::Mesh, Some(1), Some(0.1)),
+    ] {
         let frames = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
             pool.install(|| {
@@ -72,7 +82,7 @@ fn clusters_are_the_same_whoever_asks() {
                 [frame(), frame()]
             })
         });
-        assert!(frames[0][0] == frames[0][1] && frames[0] == frames[1], "{method:?}");
+        assert!(frames[0][0] == frames[0][1] && frames[0] == frames[1], "{options:?}");
     }
 }
 
@@ -80,7 +90,8 @@ fn clusters_are_the_same_whoever_asks() {
 #[test]
 fn hybrid_light_of_clusters_is_nearly_exact() {
     let scene = Scene::new(crowded()).expect("scene");
-    let options = |light_error| RenderOptions { light_error, spacing: Spacing::Metres(0.05), ..options(Method::Hybrid) };
+    let options =
+        |light_error| RenderOptions { light_error, spacing: Spacing::Metres(0.05), ..options(Method::Hybrid) };
     let [every, clusters] = [0.0, 0.01].map(|error| shoot(&scene, &room_camera(), &options(error)));
     let truth = shoot(&scene, &room_camera(), &RenderOptions { method: Method::Standard, ..options(0.0) });
     let [off, from_truth] = [&every, &truth].map(|frame| relrmse(&clusters, frame));
@@ -95,18 +106,19 @@ fn hybrid_light_of_clusters_is_nearly_exact() {
 }
 
 /// Clusters that are chosen by what they seem to give, one of whose lights stands for all: the mean of pictures of many seeds is the truth
-/// within its standard error, as in tests/accuracy.rs, over 12 tiles. Lamps hang on the walls, too, so that planes cut clusters.
+/// within its standard error, as in tests/accuracy.rs, over 12 tiles. Two thirds of the lamps float around the box, little above the plane of its
+/// top or below it: most clusters seem to give it nothing, and some of their lights do.
 #[test]
 fn unbiased_light_of_clusters_has_no_bias() {
-    const SEEDS: u64 = 48;
+    const SEEDS: u64 = 96;
     let mut data = crowded();
-    for (i, light) in data.lights.iter_mut().enumerate().filter(|(i, _)| i % 2 == 1) {
+    for (i, light) in data.lights.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0) {
         let Light::Point { position, .. } = light else { continue };
-        let u = (i % 64) as f32 / 16.0 - 2.0;
-        *position = Vec3::new(u, 0.05 + 0.9 * position.y, if i % 4 == 1 { -1.97 } else { -0.62 });
+        let (angle, r) = (i as f32 * 2.4, 1.0 + 0.6 * (i % 19) as f32 / 18.0);
+        *position = Vec3::new(r * libm::cosf(angle), 0.85 + 0.2 * (i % 23) as f32 / 22.0, r * libm::sinf(angle));
     }
     let scene = Scene::new(data).expect("scene");
-    let sized = |method| RenderOptions { width: 32, height: 24, light_error: 0.05, ..options(method) };
+    let sized = |method| RenderOptions { width: 32, height: 24, light_error: 0.3, ..options(method) };
     let truth = shoot(&scene, &room_camera(), &sized(Method::Standard)).image;
     let mut mesh = LightMesh::new(&scene, &sized(Method::Unbiased)).expect("mesh");
     // 4 × 3 tiles, and all of them.
@@ -127,9 +139,9 @@ fn unbiased_light_of_clusters_has_no_bias() {
     let n = SEEDS as f64;
     let z2 = sums.map(|(sum, squares)| sum * sum / n / ((squares - sum * sum / n) / (n - 1.0)));
     assert!(z2[12] < 16.0, "z² of the whole picture: {}", z2[12]);
-    // The squares of Student's t with 47 degrees of freedom have a mean of 47/45.
+    // The squares of Student's t with 95 degrees of freedom have a mean of 95/93.
     let mean = z2[..12].iter().sum::<f64>() / 12.0;
-    assert!((mean - 47.0 / 45.0).abs() < 4.0 * (2.0_f64 / 12.0).sqrt(), "mean z² {mean}: {z2:?}");
+    assert!((mean - 95.0 / 93.0).abs() < 4.0 * (2.0_f64 / 12.0).sqrt(), "mean z² {mean}: {z2:?}");
 }
 
 /// What points keep of clusters is checked before it is stored, and the mesh stays as good as it was.

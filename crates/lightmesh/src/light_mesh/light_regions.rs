@@ -53,10 +53,10 @@ impl LightRegions {
         let tree = match options.method.has_mesh() && options.light_error > 0.0 && many.contains(&samples.len()) {
             false => None,
             true => {
-                // Blocks of the packed lights, the front and its successor.
-                const BYTES_PER_LIGHT: u64 = 128;
+                // Blocks of the packed lights, the front and its successor; their terms, and what some two hundred points say.
+                let bytes_per_light = if options.knows_lights() { 256 } else { 128 };
                 let threads = rayon::current_num_threads() as u64;
-                let needed_bytes = LightTree::bytes(samples) + threads * BYTES_PER_LIGHT * samples.len() as u64;
+                let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
                 if needed_bytes > options.max_memory {
                     return Err(Error::OutOfMemory {
                         what: "the hierarchy of lights",

@@ -76,7 +76,7 @@ pub(super) struct RegionLights<'a> {
     least: Vec<f32>,
     radii: Vec<f32>,
     /// By node of the cut: its lane, and its lights in the order of the leaves.
-    leaves: Vec<(usize, Range<u32>)>,
+    leaves: Vec<(u32, Range<u32>)>,
     /// What points say of the lanes, and where, by the point's index.
     bits: LightBits,
     rows: HashMap<u32, u32>,
@@ -126,7 +126,7 @@ impl<'a> RegionLights<'a> {
         }
         let centre = regions.centre(region);
         for (lane, &node) in nodes.iter().enumerate().filter(|(_, node)| **node != LightTree::NO_NODE) {
-            leaves.push((lane, tree.leaves(node)));
+            leaves.push((lane as u32, tree.leaves(node)));
             if !tree.is_single(node) {
                 let (radius, (r, arriving)) = (tree.radius(node), tree.facing(node, *falloff, centre));
                 least[lane] = LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0);
@@ -142,7 +142,7 @@ impl<'a> RegionLights<'a> {
         let next = self.rows.len() as u32;
         let row = *self.rows.entry(point).or_insert(next);
         if row == next {
-            let lanes = self.leaves.iter().map(|(lane, _)| *lane);
+            let lanes = self.leaves.iter().map(|(lane, _)| *lane as usize);
             let states = runs.ask(point, self.leaves.iter().map(|(_, leaves)| leaves.clone()));
             self.bits.push_states(lanes.zip(states));
         }

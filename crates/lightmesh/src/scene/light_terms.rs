@@ -96,7 +96,7 @@ impl LightTerms {
                 if beyond_least > 0.0 {
                     let r2 = l.dx * l.dx + l.dy * l.dy + l.dz * l.dz;
                     let beyond = l.dx * doubt.x + l.dy * doubt.y + l.dz * doubt.z;
-                    doubtful = doubtful | (beyond * beyond.abs()).simd_gt(r2 * beyond_least);
+                    doubtful |= (beyond * beyond.abs()).simd_gt(r2 * beyond_least);
                 }
                 terms.doubtful = (doubtful & mass.simd_gt(zero)).to_bitmask() as u32;
                 for (room, d) in terms.directions.iter_mut().zip([l.dx, l.dy, l.dz]) {
