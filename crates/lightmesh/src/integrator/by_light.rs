@@ -10,6 +10,10 @@
 //! - *unbiased*: K rays whatever the mesh says, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j) c_j / p_j is added: the
 //!   mesh is a control variate of light sampling, and the expectation is the exact sum whatever it says.
 //!
+//! Of many lights, light i may be a cluster (`light_mesh/region_lights.rs`). A ray to it goes to one of its lights, whose own c_k over the
+//! probability that it was chosen takes the place of c_i in what V is multiplied by, and not in what is subtracted: the expectation is
+//! still the exact sum over all lights, whatever stands for the cluster.
+//!
 //! With p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`DOUBT`]): the standard deviation of a visibility that is 1 with probability V̂_j, and some for lights
 //! that all points agree about. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct Illumination" (EGSR 2008),
 //! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which

@@ -40,7 +40,7 @@ pub(super) struct LightRuns {
 }
 
 impl LightRuns {
-    /// Memory of a point, bytes, where a guess must do. Empirical: docs/many-lights.md.
+    /// Memory of a point, bytes, where a guess must do. Empirical: 555 in a room of 10,000 lights at ε = 0.01.
     pub(super) const BYTES_PER_POINT: u64 = 1024;
 
     /// Memory of so many points with so many runs, bytes.
