@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use glam::Vec3;
-use lightmesh::{Frame, Light, LightMesh, Method, RenderOptions, Scene, SceneData, render};
+use lightmesh::{Error, Frame, Light, LightMesh, Method, RenderOptions, Scene, SceneData, Spacing, render};
 
 /// The room under 2000 lamps: a grid below its ceiling, every third a spot, and a ball of them in a corner.
 fn crowded() -> SceneData {
@@ -62,8 +62,18 @@ fn pictures_are_as_near_as_they_say() {
 #[test]
 fn clusters_are_the_same_whoever_asks() {
     let scene = Scene::new(crowded()).expect("scene");
-    for method in [Method::Mesh, Method::Paper] {
-        let options = RenderOptions { bounces: 1, gather_rays: 16, ..options(method) };
+    let with = |method, refine, error: Option<f32>| {
+        let bounces = if error.is_some() { 0 } else { 1 };
+        RenderOptions { refine, error, bounces, gather_rays: 16, ..options(method) }
+    };
+    for options in [
+        with(Method::Mesh, None, None),
+        with(Method::Paper, None, None),
+        with(Method::Hybrid, None, None),
+        with(Method::Hybrid, Some(1), None),
+        with(Method::Unbiased, None, None),
+        with(Method::Mesh, Some(1), Some(0.1)),
+    ] {
         let frames = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
             pool.install(|| {
@@ -72,8 +82,84 @@ fn clusters_are_the_same_whoever_asks() {
                 [frame(), frame()]
             })
         });
-        assert!(frames[0][0] == frames[0][1] && frames[0] == frames[1], "{method:?}");
+        assert!(frames[0][0] == frames[0][1] && frames[0] == frames[1], "{options:?}");
     }
+}
+
+/// What is known light by light is known of clusters too: near to what knows every light and to the truth, with fewer rays and less memory.
+#[test]
+fn hybrid_light_of_clusters_is_nearly_exact() {
+    let scene = Scene::new(crowded()).expect("scene");
+    let options =
+        |light_error| RenderOptions { light_error, spacing: Spacing::Metres(0.05), ..options(Method::Hybrid) };
+    let [every, clusters] = [0.0, 0.01].map(|error| shoot(&scene, &room_camera(), &options(error)));
+    let truth = shoot(&scene, &room_camera(), &RenderOptions { method: Method::Standard, ..options(0.0) });
+    let [off, from_truth] = [&every, &truth].map(|frame| relrmse(&clusters, frame));
+    assert!(off < 0.02 && from_truth < 0.02, "{off}, from the truth {from_truth}");
+    let [few, all] = [&clusters, &every].map(|frame| (frame.stats.rays.shadow, frame.stats.direct.bytes));
+    assert!(10 * few.0 < 7 * all.0, "rays: {few:?} {all:?}");
+    assert!(10 * few.1 < 8 * all.1, "bytes: {few:?} {all:?}");
+    // Few lights are one by one, bit for bit.
+    let scene = Scene::new(SceneData { lights: crowded().lights[..500].to_vec(), ..crowded() }).expect("scene");
+    let [every, clusters] = [0.0, 0.01].map(|error| shoot(&scene, &room_camera(), &options(error)));
+    assert_eq!(every.image, clusters.image);
+}
+
+/// Clusters that are chosen by what they seem to give, one of whose lights stands for all: the mean of pictures of many seeds is the truth
+/// within its standard error, as in tests/accuracy.rs, over 12 tiles. Two thirds of the lamps float around the box, little above the plane of its
+/// top or below it: most clusters seem to give it nothing, and some of their lights do.
+#[test]
+fn unbiased_light_of_clusters_has_no_bias() {
+    const SEEDS: u64 = 96;
+    let mut data = crowded();
+    for (i, light) in data.lights.iter_mut().enumerate().filter(|(i, _)| i % 3 != 0) {
+        let Light::Point { position, .. } = light else { continue };
+        let (angle, r) = (i as f32 * 2.4, 1.0 + 0.6 * (i % 19) as f32 / 18.0);
+        *position = Vec3::new(r * libm::cosf(angle), 0.85 + 0.2 * (i % 23) as f32 / 22.0, r * libm::sinf(angle));
+    }
+    let scene = Scene::new(data).expect("scene");
+    let sized = |method| RenderOptions { width: 32, height: 24, light_error: 0.3, ..options(method) };
+    let truth = shoot(&scene, &room_camera(), &sized(Method::Standard)).image;
+    let mut mesh = LightMesh::new(&scene, &sized(Method::Unbiased)).expect("mesh");
+    // 4 × 3 tiles, and all of them.
+    let mut sums = [(0.0_f64, 0.0_f64); 13];
+    for seed in 0..SEEDS {
+        let options = RenderOptions { seed, rays: 16, ..sized(Method::Unbiased) };
+        let image = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame").image;
+        let mut differences = [0.0; 13];
+        for (i, (p, t)) in image.pixels.iter().zip(&truth.pixels).enumerate() {
+            let d = f64::from((p - t).element_sum());
+            differences[i % 32 / 8 + 4 * (i / 32 / 8)] += d;
+            differences[12] += d;
+        }
+        for (sum, d) in sums.iter_mut().zip(differences) {
+            *sum = (sum.0 + d, sum.1 + d * d);
+        }
+    }
+    let n = SEEDS as f64;
+    let z2 = sums.map(|(sum, squares)| sum * sum / n / ((squares - sum * sum / n) / (n - 1.0)));
+    assert!(z2[12] < 16.0, "z² of the whole picture: {}", z2[12]);
+    // The squares of Student's t with 95 degrees of freedom have a mean of 95/93.
+    let mean = z2[..12].iter().sum::<f64>() / 12.0;
+    assert!((mean - 95.0 / 93.0).abs() < 4.0 * (2.0_f64 / 12.0).sqrt(), "mean z² {mean}: {z2:?}");
+}
+
+/// What points keep of clusters is checked before it is stored, and the mesh stays as good as it was.
+#[test]
+fn clusters_at_points_keep_to_the_memory_limit() {
+    let scene = Scene::new(crowded()).expect("scene");
+    // Enough for the tree, on one thread, and for the points, but not for what they know.
+    let max_memory = 1700 << 10;
+    let options = RenderOptions { spacing: Spacing::Metres(0.05), max_memory, ..options(Method::Hybrid) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("pool");
+    pool.install(|| {
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        match render(&scene, &room_camera(), &options, &mut mesh, &()).err() {
+            Some(Error::OutOfMemory { advice, .. }) => assert!(advice.contains("--light-error"), "{advice}"),
+            other => panic!("{other:?}"),
+        }
+        assert!(mesh.stats().bytes <= max_memory);
+    });
 }
 
 /// The truth knows every light, whatever is allowed.

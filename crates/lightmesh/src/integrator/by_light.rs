@@ -10,6 +10,10 @@
 //! - *unbiased*: K rays whatever the mesh says, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j) c_j / p_j is added: the
 //!   mesh is a control variate of light sampling, and the expectation is the exact sum whatever it says.
 //!
+//! Of many lights, light i may be a cluster (`light_mesh/region_lights.rs`). A ray to it goes to one of its lights, whose own c_k over the
+//! probability that it was chosen takes the place of c_i in what V is multiplied by, and not in what is subtracted: the expectation is
+//! still the exact sum over all lights, whatever stands for the cluster.
+//!
 //! With p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`DOUBT`]): the standard deviation of a visibility that is 1 with probability V̂_j, and some for lights
 //! that all points agree about. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct Illumination" (EGSR 2008),
 //! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which
@@ -23,7 +27,7 @@ use super::sampling::hash;
 use super::visibility::{VisibilityScratch, visibility};
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::light_mesh::Agreement;
+use crate::light_mesh::KnownLights;
 use crate::scene::{BlockTerms, LANES, LightTerms, Receiver, Scene};
 
 /// The doubt that is left where all points agree, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
@@ -62,6 +66,9 @@ impl Care {
 /// Rays that wait to be shot, at most, but for those of one surface.
 const RAYS: usize = 4096;
 
+/// Rays to the lights of a cluster that gives much or is in much doubt, at most. Empirical, not varied.
+const RAYS_PER_CLUSTER: f32 = 16.0;
+
 /// Buffers, one set per worker, kept between calls. Rays of many surfaces are shot together.
 #[derive(Debug, Default)]
 pub(super) struct ByLight {
@@ -75,11 +82,12 @@ pub(super) struct ByLight {
     singles: Vec<Single>,
 }
 
-/// What is done with a ray's visibility V: weight · (V − expected) is added to the light of a surface.
+/// What is done with a ray's visibility V: weight · (V − expected) − counted is added to the light of a surface.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     weight: Vec3,
     expected: f32,
+    counted: Vec3,
     surface: u32,
 }
 
@@ -99,20 +107,25 @@ pub(super) struct Lit<'a> {
     pub vertex: &'a Vertex,
     /// Its number among those that are lit together.
     pub surface: u32,
-    /// Of the points around it.
-    pub agreement: &'a Agreement,
+    /// The lights, and what the points around it know of them.
+    pub known: KnownLights<'a>,
     pub seed: u32,
 }
 
 impl Lit<'_> {
     fn receiver(&self) -> Receiver {
         let Vertex { position, n, ng, .. } = *self.vertex;
-        Receiver { position, n, ng, doubt: self.agreement.doubt, falloff: self.falloff }
+        Receiver { position, n, ng, doubt: self.known.agreement.doubt, falloff: self.falloff }
     }
 
     /// The i-th random number, in [0, 1).
     fn random(&self, i: u32) -> f32 {
         (hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+    }
+
+    /// The i-th random number for a node of the light tree, in [0, 1).
+    fn random_in(&self, node: u32, i: u32) -> f32 {
+        (hash(hash(self.seed ^ hash(node)).wrapping_add(i)) >> 8) as f32 * (1.0 / (1 << 24) as f32)
     }
 }
 
@@ -121,10 +134,13 @@ impl ByLight {
     /// [`ByLight::shoot`].
     #[inline(always)]
     pub(super) fn with_care<S: Simd>(&mut self, simd: S, lit: Lit<'_>, care: Care) -> Vec3 {
-        let Lit { scene, agreement, .. } = lit;
-        let lights = scene.lights();
+        let KnownLights { lights, clusters, agreement } = lit.known;
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, total) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
+        // Those who believe do not look for what the mesh does not expect.
+        if let (Some(clusters), Trust::Nobody) = (clusters, care.trust) {
+            terms.raise(lit.vertex.n, clusters.least, clusters.radii);
+        }
 
         let (quantum, much) = (care.quantum * total, care.much[usize::from(agreement.cluttered)] * total);
         // How much doubt, and how much of what is agreed about, goes by until the next ray.
@@ -154,7 +170,7 @@ impl ByLight {
                 } else {
                     (agreement.sure[first + i], mass)
                 };
-                let mut weight = c;
+                let mut scale = 1.0;
                 if doubt < quantum {
                     let next = next_doubt.get_or_insert_with(|| quantum * lit.random(0));
                     *next -= doubt;
@@ -162,9 +178,9 @@ impl ByLight {
                         continue;
                     }
                     *next += quantum;
-                    weight *= quantum / doubt;
+                    scale = quantum / doubt;
                 }
-                self.want(lit, block, (first, i), weight, v);
+                sum -= self.want(lit, block, (first, i), (c * scale, scale), (v, 0, doubt / quantum));
             }
 
             // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each
@@ -180,16 +196,18 @@ impl ByLight {
                 if mass <= 0.0 {
                     continue;
                 }
-                let mut weight = lights.intensity(first + i) * block.factors[i];
+                let mut scale = 1.0;
                 if mass < much {
                     next -= mass;
                     if next >= 0.0 {
                         continue;
                     }
                     next += much;
-                    weight *= much / mass;
+                    scale = much / mass;
                 }
-                self.want(lit, block, (first, i), weight, agreement.sure[first + i]);
+                let c = lights.intensity(first + i) * block.factors[i];
+                sum -=
+                    self.want(lit, block, (first, i), (c * scale, scale), (agreement.sure[first + i], 0, mass / much));
             }
         }
         self.terms = terms;
@@ -199,10 +217,12 @@ impl ByLight {
     /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
     #[inline(always)]
     pub(super) fn unbiased<S: Simd>(&mut self, simd: S, lit: Lit<'_>, count: u32) -> Vec3 {
-        let Lit { scene, agreement, .. } = lit;
-        let lights = scene.lights();
+        let KnownLights { lights, clusters, agreement } = lit.known;
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, _) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
+        if let Some(clusters) = clusters {
+            terms.raise(lit.vertex.n, clusters.least, clusters.radii);
+        }
         let blocks = terms.blocks();
 
         // Disputed lights: their mean, and how much there is to gain from a ray.
@@ -264,17 +284,56 @@ impl ByLight {
                 (entry, i, agreement.sure[entry * LANES + i])
             };
             let weight = lights.intensity(at * LANES + i) * (blocks[at].factors[i] / p);
-            self.want(lit, &blocks[at], (at * LANES, i), weight, v);
+            sum -= self.want(lit, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, 1.0));
         }
         self.terms = terms;
         sum
     }
 
-    /// Lets a ray to a light of a block wait.
-    fn want(&mut self, lit: Lit<'_>, block: &BlockTerms, (first, i): (usize, usize), weight: Vec3, expected: f32) {
+    /// Lets a ray to a light of a block wait. `weight` is what the light gives, times `scale`; it has been `expected` to this part. What
+    /// the ray is for is weight · (V − expected) in the mean: of a cluster one light j is asked, chosen with probability p_j by the k-th
+    /// random number for it, and c_j scale V_j / p_j takes the place of weight · V; or some lights, if `worth` so many rays. What must be
+    /// subtracted at once is returned.
+    #[inline(always)]
+    fn want(
+        &mut self,
+        lit: Lit<'_>,
+        block: &BlockTerms,
+        (first, i): (usize, usize),
+        (weight, scale): (Vec3, f32),
+        (expected, k, worth): (f32, u32, f32),
+    ) -> Vec3 {
+        let KnownLights { lights, clusters, .. } = lit.known;
+        if let Some(clusters) = clusters
+            && let Some(node) = clusters.node(first + i)
+        {
+            let rays = worth.clamp(1.0, RAYS_PER_CLUSTER.min(clusters.count(node) as f32)).round();
+            let (u, mut at_once) = (lit.random_in(node, k), Vec3::ZERO);
+            for ray in 0..rays as u32 {
+                let chosen = clusters.choose(node, (ray as f32 + u) / rays);
+                at_once += self.want_one_of(lit, chosen, scale / rays, weight * (expected / rays));
+            }
+            return at_once;
+        }
         let origin = lit.vertex.origin_towards(block.direction(i));
-        self.rays.push(lit.scene.lights().shadow_ray(first + i, origin));
-        self.waiting.push(Waiting { weight, expected, surface: lit.surface });
+        self.rays.push(lights.shadow_ray(first + i, origin));
+        self.waiting.push(Waiting { weight, expected, counted: Vec3::ZERO, surface: lit.surface });
+        Vec3::ZERO
+    }
+
+    /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster of which so much has been counted.
+    fn want_one_of(&mut self, lit: Lit<'_>, (lane, p): (usize, f32), scale: f32, counted: Vec3) -> Vec3 {
+        let Vertex { position, n, .. } = *lit.vertex;
+        let samples = lit.scene.lights();
+        let Some(luminaire) = samples.luminaire(lane) else { return counted };
+        let (direction, f) = luminaire.arriving(lit.falloff, position);
+        let c = luminaire.intensity * (f * n.dot(direction).max(0.0));
+        if c == Vec3::ZERO || p <= 0.0 {
+            return counted;
+        }
+        self.rays.push(samples.shadow_ray(lane, lit.vertex.origin_towards(direction)));
+        self.waiting.push(Waiting { weight: c * (scale / p), expected: 0.0, counted, surface: lit.surface });
+        Vec3::ZERO
     }
 
     /// Whether so many rays wait that they should be shot.
@@ -286,8 +345,8 @@ impl ByLight {
     /// Shoots the rays that wait and adds what they find to the irradiance of their surfaces, lux; how many they were.
     pub(super) fn shoot(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for (&Waiting { weight, expected, surface }, &v) in self.waiting.iter().zip(&self.visible) {
-            irradiance[surface as usize] += weight * (v - expected);
+        for (&Waiting { weight, expected, counted, surface }, &v) in self.waiting.iter().zip(&self.visible) {
+            irradiance[surface as usize] += weight * (v - expected) - counted;
         }
         let count = self.rays.len() as u64;
         self.rays.clear();

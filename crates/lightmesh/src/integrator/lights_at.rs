@@ -1,5 +1,7 @@
 //! The lights as they are seen from one place: every sample, or a cut through many of them with a shadow ray for each of its nodes.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::hash;
@@ -54,6 +56,11 @@ impl<'a> LightsAt<'a> {
     /// The lights that are seen from there.
     pub(crate) fn lights(&self) -> &LightSamples {
         if self.tree.is_some() { &self.clusters } else { self.samples }
+    }
+
+    /// The lights of the tree that a lane stands for, in the order of its leaves; all of them where there is no tree.
+    pub(crate) fn leaves(&self, lane: usize) -> Range<u32> {
+        self.tree.map_or(0..self.samples.len() as u32, |(tree, _)| tree.leaves(self.nodes[lane]))
     }
 
     /// The shadow ray from a point at or near the place to a lane's light: of a cluster, to one of its samples, chosen in proportion to

@@ -17,6 +17,9 @@ use crate::progress::Reporter;
 use crate::scene::LightSamples;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
+/// Shadow rays of unbiased light to clusters, at least, from a surface that no mesh point knows about. Empirical, not varied: few are.
+const FALLBACK_RAYS: u32 = 64;
+
 /// A list of vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(crate) struct LitVertices {
@@ -112,7 +115,7 @@ impl LitVertices {
             _ => sight,
         };
         let reader = field.reader(scene, sight);
-        dispatch!(scene.level(), simd => self.shade_by_light_simd(simd, scene, falloff, (reader, marks), shading));
+        dispatch!(scene.level(), simd => self.shade_by_light_simd(simd, scene, falloff, (field, reader, marks), shading));
     }
 
     #[inline(always)]
@@ -121,35 +124,52 @@ impl LitVertices {
         simd: S,
         scene: &Scene,
         falloff: Falloff,
-        (mut reader, marks): (DirectReader<'_>, &Marks),
+        (field, mut reader, marks): (&DirectField, DirectReader<'_>, &Marks),
         shading: Shading,
     ) {
-        let lights = LightsAt::every(scene.lights());
+        let clusters = field.lights().has_clusters();
+        let (every, mut lights) = (LightsAt::every(scene.lights()), field.lights().at(scene));
         let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
+        if clusters {
+            // Neighbours share what is known of a region.
+            waiting.sort_by_cached_key(|&i| (field.lights().region(vertices[i as usize].position), i));
+        }
         let mut kept = 0;
         for at in 0..waiting.len() {
             let surface = waiting[at];
             let vertex = &vertices[surface as usize];
             let seed_of = |seed| seed ^ seed_of_place(vertex.position);
-            let lit = |agreement, seed| Lit { scene, falloff, vertex, surface, agreement, seed: seed_of(seed) };
+            let lit = |known, seed| Lit { scene, falloff, vertex, surface, known, seed: seed_of(seed) };
             direct[surface as usize] = match (reader.read_lights(vertex, marks), shading) {
                 (LightsReading::Empty, _) => {
                     waiting[kept] = surface;
                     kept += 1;
                     continue;
                 }
-                (LightsReading::Agreement(agreement), Shading::ByLight { care, seed }) => {
-                    by_light.with_care(simd, lit(agreement, seed), care)
+                (LightsReading::Known(known), Shading::ByLight { care, seed }) => {
+                    by_light.with_care(simd, lit(known, seed), care)
                 }
                 // More rays than lights: each gets its own.
-                (LightsReading::Agreement(agreement), Shading::Unbiased { rays, seed })
+                (LightsReading::Known(known), Shading::Unbiased { rays, seed })
                     if (rays as usize) < scene.lights().len() =>
                 {
-                    by_light.unbiased(simd, lit(agreement, seed), rays)
+                    by_light.unbiased(simd, lit(known, seed), rays)
+                }
+                // Clusters, each as one light, would not be the truth.
+                (LightsReading::Nothing(Some(known)), Shading::Unbiased { rays, seed })
+                    if (rays as usize) < scene.lights().len() =>
+                {
+                    *fallbacks += 1;
+                    by_light.unbiased(simd, lit(known, seed), rays.max(FALLBACK_RAYS))
                 }
                 (reading, _) => {
-                    *fallbacks += u64::from(matches!(reading, LightsReading::Nothing));
-                    let (exact, rays) = scratch.irradiance(scene, &lights, falloff, vertex);
+                    *fallbacks += u64::from(matches!(reading, LightsReading::Nothing(_)));
+                    let by_cut = clusters && matches!(shading, Shading::ByLight { .. });
+                    if by_cut {
+                        lights.look_from(vertex.position, falloff);
+                    }
+                    let seen = if by_cut { &lights } else { &every };
+                    let (exact, rays) = scratch.irradiance(scene, seen, falloff, vertex);
                     *shadow_rays += rays;
                     exact
                 }
@@ -200,7 +220,13 @@ impl DirectLighting<'_, '_> {
         let mut seconds = LightSeconds::default();
         match shading {
             Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
-            Shading::ByLight { .. } | Shading::Unbiased { .. } => lists.iter_mut().for_each(|list| list.await_all()),
+            Shading::ByLight { .. } | Shading::Unbiased { .. } => {
+                if self.field.lights().has_clusters() {
+                    let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
+                    self.field.lights_mut().prepare(falloff, &vertices.collect::<Vec<_>>());
+                }
+                lists.iter_mut().for_each(|list| list.await_all());
+            }
             Shading::MeanVisibility if !self.field.lights().has_clusters() => {
                 lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
             }

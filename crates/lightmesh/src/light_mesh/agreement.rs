@@ -57,6 +57,27 @@ impl Agreement {
         }
     }
 
+    /// Forgets what was said: now it is about so many other lanes.
+    pub(super) fn restart(&mut self, lanes: usize) {
+        self.counted = Voters::Nobody;
+        self.sure.clear();
+        self.sure.resize(lanes, 0.0);
+        self.disputed.clear();
+        self.disputed.resize(lanes / LANES, 0);
+    }
+
+    /// Takes that nobody says anything: no light is expected, and none is disputed.
+    pub(super) fn ask_nobody(&mut self) {
+        self.restart(self.sure.len());
+        (self.doubt, self.cluttered) = (Vec3::ZERO, true);
+    }
+
+    /// Whether the votes of these corners have been counted.
+    #[inline(always)]
+    pub(super) fn knows(&self, (visit, mask): (u64, u8)) -> bool {
+        self.counted == Voters::Corners(visit, mask)
+    }
+
     /// Takes what corners of a cell say; `index` tells which points they are, `weights` are 0 for other corners.
     #[inline(always)]
     pub(super) fn ask_corners(
@@ -66,7 +87,7 @@ impl Agreement {
         weights: &ByCorner,
         index: impl Fn(usize) -> u32,
     ) {
-        if self.counted != Voters::Corners(visit, mask) {
+        if !self.knows((visit, mask)) {
             self.points.clear();
             self.points.extend(corners_of(mask).map(index));
             self.count(bits, |i| corners_of(mask).nth(i).unwrap_or(0) as u32);

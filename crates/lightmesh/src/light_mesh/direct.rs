@@ -1,5 +1,9 @@
 //! The direct field: formula (1) at mesh points and formula (3g) over them.
 
+mod read_lights;
+
+pub(crate) use read_lights::LightsReading;
+
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -9,13 +13,16 @@ use super::evaluate::{Evaluator, papers_constant};
 use super::lattice::Lattice;
 use super::light_bits::LightBits;
 use super::light_regions::LightRegions;
+use super::light_runs::LightRuns;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits as corners_of};
-use super::points::Points;
+use super::points::{Address, Points};
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::{Known, Outcome, Reader, Sight};
+use super::region_lights::RegionLights;
 use super::usable::usable_part;
 use crate::integrator::Vertex;
+use crate::scene::LightSamples;
 use crate::{Error, Falloff, MeshStats, Method, PaperScale, RayCounts, RenderOptions, Scene};
 
 /// What one mesh point keeps: per channel and axis a pair, light that arrives and light that would arrive if nothing were
@@ -64,6 +71,9 @@ impl Field {
     }
 }
 
+/// Points with runs that are evaluated before their memory is checked: some 10 KiB each while they wait.
+const POINTS_WITH_RUNS: usize = 1 << 13;
+
 /// Direct light at points of its mesh.
 #[derive(Debug)]
 pub(crate) struct DirectField {
@@ -73,6 +83,8 @@ pub(crate) struct DirectField {
     lights: LightRegions,
     /// What points know of each light, where the method wants it.
     bits: Option<LightBits>,
+    /// The same where lights are clusters: then there are no bits.
+    runs: Option<LightRuns>,
     /// The lanes that pad blocks of lights, a bit each.
     padding: Vec<u64>,
     /// The mean unshadowed field, for [`PaperScale::Constant`].
@@ -86,17 +98,6 @@ pub(crate) enum Reading {
     /// The fraction of the unshadowed irradiance that arrives, per channel.
     Visibility(Vec3),
     /// No point of the neighbourhood can be used, or none knows of any light.
-    Nothing,
-    /// Points are missing; they have been marked.
-    Empty,
-}
-
-/// What a vertex finds in the direct mesh about single lights.
-#[derive(Debug)]
-pub(crate) enum LightsReading<'a> {
-    /// What the points of the neighbourhood know.
-    Agreement(&'a Agreement),
-    /// No point of the neighbourhood can be used.
     Nothing,
     /// Points are missing; they have been marked.
     Empty,
@@ -116,20 +117,22 @@ impl DirectField {
         let constant = papers_constant(scene, field);
         let points = Points::new(lattices, neighbourhood);
         let samples = scene.lights();
-        let bits = options.knows_lights().then(|| LightBits::new(samples.lanes()));
+        let knows_clusters = options.knows_lights() && lights.has_clusters();
+        let runs = knows_clusters.then(LightRuns::default);
+        let bits = (options.knows_lights() && !knows_clusters).then(|| LightBits::new(samples.lanes()));
         let mut padding = vec![0; samples.lanes().div_ceil(64)];
         for lane in (0..64 * padding.len()).filter(|&i| i >= samples.lanes() || samples.intensity(i) == Vec3::ZERO) {
             padding[lane / 64] |= 1 << (lane % 64);
         }
         let max_memory = options.max_memory;
-        Ok(Self { points, field, values: Vec::new(), lights, bits, padding, constant, max_memory })
+        Ok(Self { points, field, values: Vec::new(), lights, bits, runs, padding, constant, max_memory })
     }
 
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
         self.field == Field::of(options)
             && self.lights.serves(options)
             && self.points.neighbourhood == neighbourhood
-            && self.bits.is_some() == options.knows_lights()
+            && (self.bits.is_some() || self.runs.is_some()) == options.knows_lights()
     }
 
     pub(super) fn marks(&self) -> Marks {
@@ -138,17 +141,19 @@ impl DirectField {
 
     pub(crate) fn stats(&self) -> MeshStats {
         let bits = self.bits.as_ref().map_or(0, LightBits::bytes);
-        self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64 + self.lights.bytes())
+        let runs = self.runs.as_ref().map_or(0, LightRuns::bytes);
+        self.points.stats((size_of_val(self.values.as_slice()) + bits) as u64 + runs + self.lights.bytes())
     }
 
-    /// Memory of a point's values.
+    /// Memory of a point's values, but for runs, which differ from point to point.
     fn value_bytes(&self) -> u64 {
         (self.field.stride() * size_of::<Vec4>()) as u64 + self.bits.as_ref().map_or(0, LightBits::bytes_per_point)
     }
 
-    /// Memory of a point.
+    /// Memory of a point; a guess where they differ.
     pub(crate) fn bytes_per_point(&self) -> u64 {
-        self.value_bytes() + Points::BYTES_PER_POINT
+        let runs = self.runs.as_ref().map_or(0, |_| LightRuns::BYTES_PER_POINT);
+        self.value_bytes() + runs + Points::BYTES_PER_POINT
     }
 
     /// Its points, to be refined.
@@ -184,7 +189,13 @@ impl DirectField {
             known: Known::default(),
             visible: [Vec4::ZERO; 8],
             all: [Vec4::ZERO; 8],
-            agreement: Agreement::new(scene.lights().lanes()),
+            agreement: Agreement::new(if self.runs.is_some() { 0 } else { scene.lights().lanes() }),
+            samples: scene.lights(),
+            near: match self.field {
+                Field::ByLight { falloff } => RegionLights::new(&self.lights, falloff),
+                Field::SixAxis { .. } | Field::Scalar { .. } => None,
+            },
+            rows: [0; 8],
         }
     }
 
@@ -213,12 +224,25 @@ impl DirectField {
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
-        let stride = self.field.stride();
         let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
+        let mut rays = RayCounts::default();
+        if !matches!(self.field, Field::Scalar { .. }) {
+            rays.secondary = PROBE_RAYS * wanted.len() as u64;
+        }
+        // How many runs points have is known when they have been evaluated.
+        let together = if self.runs.is_some() { POINTS_WITH_RUNS } else { wanted.len().max(1) };
+        for wanted in wanted.chunks(together) {
+            rays.shadow += self.evaluate(scene, wanted)?;
+        }
+        Ok(rays)
+    }
 
+    /// Evaluates some points that were wanted, and stores them; how many shadow rays it took.
+    fn evaluate(&mut self, scene: &Scene, wanted: &[Address]) -> Result<u64, Error> {
+        let stride = self.field.stride();
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
         let (grid, field, constant, lights) = (&self.points, self.field, self.constant, &self.lights);
-        let (bits, padding) = (self.bits.as_ref(), self.padding.as_slice());
+        let (bits, runs, padding) = (self.bits.as_ref(), self.runs.as_ref(), self.padding.as_slice());
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
             .map(|chunk| {
@@ -234,7 +258,8 @@ impl DirectField {
                         };
                         let values = clearance.map(|_| {
                             let values = evaluator.evaluate(x);
-                            (values, bits.map(|bits| evaluator.pack(bits, padding)))
+                            let packed = bits.map(|bits| evaluator.pack(bits, padding));
+                            (values, packed, runs.map(|_| evaluator.runs()))
                         });
                         ((address, clearance), values)
                     })
@@ -243,17 +268,32 @@ impl DirectField {
             })
             .collect();
 
-        // Store, in the order of the list: slots do not depend on the number of threads.
-        let mut rays = RayCounts::default();
-        if !matches!(field, Field::Scalar { .. }) {
-            rays.secondary = PROBE_RAYS * wanted.len() as u64;
+        if let Some(runs) = runs {
+            let new =
+                evaluated.iter().flat_map(|(points, _)| points).filter_map(|(_, values)| values.as_ref()?.2.as_deref());
+            // A growing vector may hold twice its contents for a moment.
+            let needed_bytes = grid.stats(2 * runs.bytes_with(new) + lights.bytes()).bytes;
+            if needed_bytes > self.max_memory {
+                return Err(Error::OutOfMemory {
+                    what: "the light mesh",
+                    needed_bytes,
+                    limit_bytes: self.max_memory,
+                    advice: "choose a larger --spacing or --light-error",
+                });
+            }
         }
+
+        // Store, in the order of the list: slots do not depend on the number of threads.
+        let mut rays = 0;
         for (points, shadow_rays) in evaluated {
-            rays.shadow += shadow_rays;
+            rays += shadow_rays;
             for (probed, values) in points {
                 self.points.insert(probed);
-                let Some((values, packed)) = values else { continue };
+                let Some((values, packed, new)) = values else { continue };
                 self.values.extend_from_slice(&values[..stride]);
+                if let (Some(runs), Some(new)) = (&mut self.runs, new) {
+                    runs.push(&new);
+                }
                 if let (Some(bits), Some(packed)) = (&mut self.bits, packed) {
                     bits.push(&packed);
                 }
@@ -288,6 +328,11 @@ pub(crate) struct DirectReader<'a> {
     all: [Vec4; 8],
     /// What the points that were read last know of each light.
     agreement: Agreement,
+    samples: &'a LightSamples,
+    /// Where lights are clusters.
+    near: Option<RegionLights<'a>>,
+    /// By corner: where `near` has what it says.
+    rows: [u32; 8],
 }
 
 impl DirectReader<'_> {
@@ -343,54 +388,11 @@ impl DirectReader<'_> {
         }
     }
 
-    /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
-    /// that asks.
-    #[inline(always)]
-    pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
-        let Some(bits) = &self.field.bits else { return LightsReading::Nothing };
-        let Self { reader, agreement, .. } = self;
-        if !reader.reads_cells() {
-            return Self::ask_points(reader, agreement, bits, vertex, marks);
-        }
-        let seen = match reader.corners(vertex, marks) {
-            Ok(seen) => seen,
-            Err(Outcome::Empty) => return LightsReading::Empty,
-            Err(_) => return LightsReading::Nothing,
-        };
-        if seen.refined > 0.0 {
-            return Self::ask_points(reader, agreement, bits, vertex, marks);
-        }
-        // Lights beyond corners that are missing are beyond what hides these.
-        (agreement.doubt, agreement.cluttered) = (reader.towards_missing(vertex), reader.is_cluttered());
-        agreement.ask_corners(bits, (reader.visits(), seen.mask), &seen.weights, |k| reader.index(k));
-        LightsReading::Agreement(agreement)
-    }
-
-    #[cold]
-    fn ask_points<'b>(
-        reader: &mut Reader<'_>,
-        agreement: &'b mut Agreement,
-        bits: &LightBits,
-        vertex: &Vertex,
-        marks: &Marks,
-    ) -> LightsReading<'b> {
-        let mut points = Vec::new();
-        match reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
-            Outcome::Read => {
-                (agreement.doubt, agreement.cluttered) = (reader.towards_missing(vertex), reader.is_cluttered());
-                agreement.ask(bits, &points);
-                LightsReading::Agreement(agreement)
-            }
-            Outcome::Nothing => LightsReading::Nothing,
-            Outcome::Empty => LightsReading::Empty,
-        }
-    }
-
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
     /// where [`DirectReader::read`] finds nothing.
     pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
         let reads = match self.field.field {
-            Field::ByLight { .. } => matches!(self.read_lights(vertex, marks), LightsReading::Agreement(_)),
+            Field::ByLight { .. } => matches!(self.read_lights(vertex, marks), LightsReading::Known(_)),
             _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
         };
         if reads { usable_part(&mut self.reader, &self.field.points, vertex, marks) } else { 0.0 }

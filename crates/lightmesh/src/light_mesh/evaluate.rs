@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::direct::Field;
 use super::light_bits::LightBits;
+use super::light_runs::{LightRuns, State};
 use crate::geometry::Ray;
 use crate::integrator::{LightsAt, VisibilityScratch, visibility};
 use crate::scene::{Directions, Scene};
@@ -48,6 +49,20 @@ impl<'a> Evaluator<'a> {
     /// What the point that was evaluated last knows of each light; lanes of `padding` never shine.
     pub(super) fn pack(&self, bits: &LightBits, padding: &[u64]) -> Vec<u64> {
         bits.pack(&self.lanes, &self.visible, padding)
+    }
+
+    /// The same where lights are clusters: the states of the nodes that were asked about, in runs.
+    pub(super) fn runs(&self) -> Vec<u32> {
+        LightRuns::pack(self.lanes.iter().zip(&self.visible).map(|(&lane, &v)| {
+            let state = if v == Vec3::ONE {
+                State::Seen
+            } else if v == Vec3::ZERO {
+                State::Closed
+            } else {
+                State::Unknown
+            };
+            (self.lights.leaves(lane as usize), state)
+        }))
     }
 
     /// The values of the point at `x`, visible and unshadowed light by turns: as many as [`Field::stride`] counts.

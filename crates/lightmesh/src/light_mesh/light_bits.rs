@@ -11,6 +11,8 @@
 
 use glam::Vec3;
 
+use super::light_runs::State;
+
 /// The bits of the points of a mesh.
 #[derive(Debug, Default)]
 pub(super) struct LightBits {
@@ -51,6 +53,24 @@ impl LightBits {
             }
         }
         bits
+    }
+
+    /// No points, for so many lanes; what was allocated is kept.
+    pub(super) fn restart(&mut self, lanes: usize) {
+        self.words = lanes.div_ceil(64);
+        self.bits.clear();
+    }
+
+    /// Adds a point that says this of its lanes.
+    pub(super) fn push_states(&mut self, states: impl Iterator<Item = (usize, State)>) {
+        let begin = self.bits.len();
+        self.bits.resize(begin + 2 * self.words, 0);
+        let (seen, open) = self.bits[begin..].split_at_mut(self.words);
+        for (lane, state) in states {
+            let (word, bit) = (lane / 64, lane % 64);
+            seen[word] |= u64::from(state == State::Seen) << bit;
+            open[word] |= u64::from(state != State::Closed) << bit;
+        }
     }
 
     /// Adds a point's bits.

@@ -19,18 +19,19 @@ mod lattice;
 mod level;
 mod light_bits;
 mod light_regions;
+mod light_runs;
 mod marks;
 mod neighbourhood;
 mod points;
 mod probe;
 mod reader;
+mod region_lights;
 mod unbiased_gather;
 mod usable;
 
 use glam::UVec3;
 
 use crate::{Error, MeshStats, RenderOptions, Scene, Spacing};
-pub(crate) use agreement::Agreement;
 pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
@@ -38,6 +39,7 @@ pub(crate) use marks::Marks;
 use neighbourhood::Neighbourhood;
 pub(crate) use points::Points;
 pub(crate) use reader::Sight;
+pub(crate) use region_lights::KnownLights;
 pub(crate) use unbiased_gather::Paths;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,

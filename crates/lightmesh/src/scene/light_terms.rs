@@ -115,6 +115,24 @@ impl LightTerms {
         (Vec3::new(sum(r), sum(g), sum(b)), total)
     }
 
+    /// Reckons with lanes that are clusters: in front of a surface of this normal they give at least `least`, by lane, in lux, mean over
+    /// the channels, if any of their lights, which are within `radii` of their places, can be above it.
+    #[inline(always)]
+    pub(crate) fn raise(&mut self, n: Vec3, least: &[f32], radii: &[f32]) {
+        let rooms = self.blocks.iter_mut().zip(least.chunks_exact(LANES)).zip(radii.chunks_exact(LANES));
+        for ((terms, least), radii) in rooms {
+            let [x, y, z] = &terms.directions;
+            let mut more = 0.0;
+            for i in 0..LANES {
+                let above = n.x * x[i] + n.y * y[i] + n.z * z[i] + radii[i];
+                let raised = if above > 0.0 { least[i] } else { 0.0 }.max(terms.masses[i]);
+                more += raised - terms.masses[i];
+                terms.masses[i] = raised;
+            }
+            terms.mass += more;
+        }
+    }
+
     /// The blocks, as they were seen last.
     #[inline(always)]
     pub(crate) fn blocks(&self) -> &[BlockTerms] {

@@ -4,7 +4,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::{Block, Extra, Facing, LANES, LightSamples};
+use super::{Block, Extra, Facing, LANES, LightSamples, MIN_R2};
+use crate::Falloff;
 use crate::scene::Light;
 use crate::scene::emitters::LightSample;
 
@@ -50,6 +51,36 @@ impl Luminaire {
                 Self { place, intensity: light.color(), emission: Emission::of(&light) }
             }
         }
+    }
+
+    /// The plain twin of the blocks' SIMD: d and f of the module's table, as seen from `p`.
+    pub(crate) fn arriving(&self, falloff: Falloff, p: Vec3) -> (Vec3, f32) {
+        let w = if let Emission::Shaped { w, .. } = self.emission { w } else { 1.0 };
+        let d = self.place - p * w;
+        let r2 = d.length_squared().max(MIN_R2);
+        let r = r2.sqrt();
+        let attenuation = match falloff {
+            Falloff::InverseSquare => 1.0 / (r2 * r),
+            Falloff::ConstantPlusDistance { constant } => 1.0 / ((r + constant) * r),
+        };
+        let f = match self.emission {
+            Emission::Even => attenuation,
+            Emission::Patch { axis, back, spread } => {
+                let ahead = -d.dot(axis) / r;
+                let cos = ahead.max(ahead * back);
+                match falloff {
+                    Falloff::InverseSquare => cos / ((r2 + spread * (cos * cos * 3.0 - 2.0)).max(spread) * r),
+                    Falloff::ConstantPlusDistance { .. } => attenuation * cos,
+                }
+            }
+            Emission::Shaped { w: 0.0, .. } => 1.0,
+            Emission::Shaped { axis, scale, offset, inv_range2, .. } => {
+                let cone = (d.dot(axis) / r * scale + offset).clamp(0.0, 1.0);
+                let q = r2 * inv_range2;
+                attenuation * cone * cone * (1.0 - q * q).max(0.0)
+            }
+        };
+        (d, f)
     }
 }
 
@@ -177,7 +208,10 @@ impl Extra {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::Level;
+
     use super::*;
+    use crate::scene::Directions;
     use crate::scene::emitters::Patch;
 
     /// Lights of every kind, out of their blocks and into new ones: the same lanes.
@@ -217,5 +251,22 @@ mod tests {
         }
         assert_eq!((again.len(), again.lanes()), (lights.len(), lights.lanes()));
         assert!((0..lights.lanes()).all(|lane| again.luminaire(lane) == lights.luminaire(lane)));
+
+        // And what arrives of each is what the blocks say.
+        let p = Vec3::new(40.3, 1.2, 3.0);
+        for falloff in [Falloff::InverseSquare, Falloff::ConstantPlusDistance { constant: 0.3 }] {
+            let mut directions = Directions::default();
+            lights.directions(Level::new(), falloff, p, &mut directions);
+            for lane in 0..lights.lanes() {
+                let Some(luminaire) = lights.luminaire(lane) else { continue };
+                let (d, f) = luminaire.arriving(falloff, p);
+                assert_eq!(d, Vec3::new(directions.dx[lane], directions.dy[lane], directions.dz[lane]));
+                let expected = directions.f[lane];
+                assert!(
+                    (f.max(0.0) - expected.max(0.0)).abs() <= 1e-5 * expected.abs(),
+                    "{luminaire:?}: {f} {expected}"
+                );
+            }
+        }
     }
 }

@@ -74,6 +74,17 @@ fn attenuation(falloff: Falloff, r: f32) -> f32 {
 }
 
 impl LightTree {
+    /// How far a node's mean place is from `x`, metres, and what would arrive there of it, R + G + B in lux, if all its lights shone from that
+    /// place towards `x`. The distance of directions is 1.
+    pub(crate) fn facing(&self, node: u32, falloff: Falloff, x: Vec3) -> (f32, f32) {
+        let node = &self.nodes[node as usize];
+        if node.kind == Kind::Direction {
+            return (1.0, node.strength);
+        }
+        let r = (node.place - x).length().max(1e-6);
+        (r, node.strength * attenuation(falloff, r))
+    }
+
     /// What a node does to receivers if its luminaire stands for it.
     pub(super) fn bound(&self, index: u32, receivers: &Receivers, falloff: Falloff) -> Bound {
         let node = &self.nodes[index as usize];

@@ -23,6 +23,8 @@ mod tests;
 pub(crate) use bound::Receivers;
 pub(crate) use cut::{Refinement, Tolerance};
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::{LightSamples, Luminaire};
@@ -125,13 +127,42 @@ impl LightTree {
 
     pub(crate) const NO_NODE: u32 = u32::MAX;
 
-    /// The lane of one of a node's samples, chosen in proportion to strength by `u` in [0, 1).
+    /// Whether a node is one light and not a cluster.
+    pub(crate) fn is_single(&self, node: u32) -> bool {
+        self.nodes[node as usize].child == 0
+    }
+
+    /// The lights of a node, in the order of the leaves. Those of a cut ascend, and do not overlap.
+    pub(crate) fn leaves(&self, node: u32) -> Range<u32> {
+        let Node { first, count, .. } = self.nodes[node as usize];
+        first..first + count
+    }
+
+    /// How far a node's box reaches from its mean place, metres.
+    pub(crate) fn radius(&self, node: u32) -> f32 {
+        let (node, place) = (&self.nodes[node as usize], self.luminaires[node as usize].place);
+        (node.max - place).max(place - node.min).length()
+    }
+
+    /// The lane of one of a node's samples, chosen in proportion to strength by `u` in [0, 1), and its probability.
+    pub(crate) fn choose(&self, node: u32, u: f32) -> (usize, f32) {
+        let (place, before, total) = self.place_of(node, u);
+        let probability = (self.sums[place] - if place > 0 { self.sums[place - 1] } else { 0.0 }) / (total - before);
+        (self.lanes[place] as usize, probability as f32)
+    }
+
+    /// The lane of [`LightTree::choose`].
     pub(crate) fn representative(&self, node: u32, u: f32) -> usize {
+        self.lanes[self.place_of(node, u).0] as usize
+    }
+
+    /// One of a node's samples, in the order of the leaves; the sums of strengths before the node and with it.
+    fn place_of(&self, node: u32, u: f32) -> (usize, f64, f64) {
         let Node { first, count, .. } = self.nodes[node as usize];
         let (first, last) = (first as usize, (first + count) as usize - 1);
         let before = if first > 0 { self.sums[first - 1] } else { 0.0 };
         let target = before + f64::from(u) * (self.sums[last] - before);
         let place = self.sums[first..last].partition_point(|&sum| sum <= target);
-        self.lanes[first + place] as usize
+        (first + place, before, self.sums[last])
     }
 }
