@@ -12,7 +12,8 @@ use super::indirect::{IndirectField, Sides};
 use super::marks::Marks;
 use super::points::{Address, Points};
 use super::probe::{PROBE_RAYS, probe};
-use super::reader::{Outcome, Sight, choose};
+use super::reader::choose;
+use super::seen::{Outcome, Sight};
 use crate::integrator::{DirectLighting, seed_of_place};
 use crate::{Error, Scene};
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::gather::{Gather, Heights};
 use super::indirect::{IndirectField, IndirectReading};
 use super::marks::Marks;
-use super::reader::Sight;
+use super::seen::Sight;
 use crate::Error;
 use crate::integrator::{DirectLighting, Vertex};
 

@@ -16,7 +16,8 @@ use super::lattice::Lattice;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, bits};
 use super::points::Points;
-use super::reader::{Known, Outcome, Reader, Sight};
+use super::reader::Reader;
+use super::seen::{Known, Outcome, Sight};
 use crate::integrator::Vertex;
 use crate::{MeshStats, Method, RenderOptions, Scene};
 

@@ -26,6 +26,7 @@ mod points;
 mod probe;
 mod reader;
 mod region_lights;
+mod seen;
 mod unbiased_gather;
 mod usable;
 
@@ -38,8 +39,8 @@ use lattice::Lattice;
 pub(crate) use marks::Marks;
 use neighbourhood::Neighbourhood;
 pub(crate) use points::Points;
-pub(crate) use reader::Sight;
 pub(crate) use region_lights::KnownLights;
+pub(crate) use seen::Sight;
 pub(crate) use unbiased_gather::Paths;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,

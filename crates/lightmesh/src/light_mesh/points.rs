@@ -10,7 +10,8 @@ use super::lattice::{self, Lattice};
 use super::level::Level;
 use super::marks::Marks;
 use super::neighbourhood::{Neighbourhood, trilinear};
-use super::reader::{Reader, Sight};
+use super::reader::Reader;
+use super::seen::Sight;
 use crate::integrator::Vertex;
 use crate::{Error, MeshStats, Scene};
 

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::gather::{Gather, Heights, seed_of_surface, unit};
 use super::indirect::{IndirectField, IndirectReading};
 use super::marks::Marks;
-use super::reader::Sight;
+use super::seen::Sight;
 use crate::Error;
 use crate::integrator::{DirectLighting, Vertex, hash};
 

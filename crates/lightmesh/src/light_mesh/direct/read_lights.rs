@@ -1,8 +1,8 @@
 //! Reading the direct field light by light: what the points around a surface know of single lights, or of clusters.
 
 use super::super::neighbourhood::bits as corners_of;
-use super::super::reader::Outcome;
 use super::super::region_lights::KnownLights;
+use super::super::seen::Outcome;
 use super::{DirectReader, Marks, Vertex};
 
 /// What a vertex finds in the direct mesh about single lights.
