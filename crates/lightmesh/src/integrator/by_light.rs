@@ -135,7 +135,7 @@ impl ByLight {
     /// Direct irradiance, lux per channel, as far as it is known; rays to the lights that are disputed or give much wait for
     /// [`ByLight::shoot`].
     #[inline(always)]
-    pub(super) fn with_care<S: Simd>(&mut self, simd: S, lit: Lit<'_>, care: Care) -> Vec3 {
+    pub(super) fn with_care<S: Simd>(&mut self, simd: S, lit: &Lit<'_>, care: Care) -> Vec3 {
         let KnownLights { lights, agreement, .. } = lit.known;
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, total) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
@@ -219,7 +219,7 @@ impl ByLight {
 
     /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
     #[inline(always)]
-    pub(super) fn unbiased<S: Simd>(&mut self, simd: S, lit: Lit<'_>, count: u32) -> Vec3 {
+    pub(super) fn unbiased<S: Simd>(&mut self, simd: S, lit: &Lit<'_>, count: u32) -> Vec3 {
         let KnownLights { lights, clusters, agreement } = lit.known;
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, _) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
@@ -301,7 +301,7 @@ impl ByLight {
     #[inline(always)]
     fn want(
         &mut self,
-        lit: Lit<'_>,
+        lit: &Lit<'_>,
         block: &BlockTerms,
         (first, i): (usize, usize),
         (weight, scale): (Vec3, f32),
@@ -331,7 +331,7 @@ impl ByLight {
     /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster of which so much has been counted.
     fn want_one_of(
         &mut self,
-        lit: Lit<'_>,
+        lit: &Lit<'_>,
         (lane, p): (usize, f32),
         scale: f32,
         (expected, counted): (f32, Vec3),

@@ -138,32 +138,35 @@ impl LitVertices {
         for at in 0..waiting.len() {
             let surface = waiting[at];
             let vertex = &vertices[surface as usize];
-            let seed_of = |seed| seed ^ seed_of_place(vertex.position);
-            let lit = |known, seed| Lit { scene, falloff, vertex, surface, known, seed: seed_of(seed) };
-            direct[surface as usize] = match (reader.read_lights(vertex, marks), shading) {
-                (LightsReading::Empty, _) => {
-                    waiting[kept] = surface;
-                    kept += 1;
-                    continue;
-                }
-                (LightsReading::Known(known), Shading::ByLight { care, seed }) => {
-                    by_light.with_care(simd, lit(known, seed), care)
-                }
+            let reading = reader.read_lights(vertex, marks);
+            if reading == LightsReading::Empty {
+                waiting[kept] = surface;
+                kept += 1;
+                continue;
+            }
+            let lit = |seed| Lit {
+                scene,
+                falloff,
+                vertex,
+                surface,
+                known: reader.known_lights(),
+                seed: seed ^ seed_of_place(vertex.position),
+            };
+            direct[surface as usize] = match (reading, shading) {
+                (LightsReading::Known, Shading::ByLight { care, seed }) => by_light.with_care(simd, &lit(seed), care),
                 // More rays than lights: each gets its own.
-                (LightsReading::Known(known), Shading::Unbiased { rays, seed })
-                    if (rays as usize) < scene.lights().len() =>
-                {
-                    by_light.unbiased(simd, lit(known, seed), rays)
+                (LightsReading::Known, Shading::Unbiased { rays, seed }) if (rays as usize) < scene.lights().len() => {
+                    by_light.unbiased(simd, &lit(seed), rays)
                 }
                 // Clusters, each as one light, would not be the truth.
-                (LightsReading::Nothing(Some(known)), Shading::Unbiased { rays, seed })
+                (LightsReading::Unknown, Shading::Unbiased { rays, seed })
                     if (rays as usize) < scene.lights().len() =>
                 {
                     *fallbacks += 1;
-                    by_light.unbiased(simd, lit(known, seed), rays.max(FALLBACK_RAYS))
+                    by_light.unbiased(simd, &lit(seed), rays.max(FALLBACK_RAYS))
                 }
                 (reading, _) => {
-                    *fallbacks += u64::from(matches!(reading, LightsReading::Nothing(_)));
+                    *fallbacks += u64::from(reading != LightsReading::Known);
                     let by_cut = clusters && matches!(shading, Shading::ByLight { .. });
                     if by_cut {
                         lights.look_from(vertex.position, falloff);

@@ -393,7 +393,7 @@ impl DirectReader<'_> {
     /// where [`DirectReader::read`] finds nothing.
     pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
         let reads = match self.field.field {
-            Field::ByLight { .. } => matches!(self.read_lights(vertex, marks), LightsReading::Known(_)),
+            Field::ByLight { .. } => self.read_lights(vertex, marks) == LightsReading::Known,
             _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
         };
         if reads { usable_part(&mut self.reader, &self.field.points, vertex, marks) } else { 0.0 }

@@ -5,13 +5,15 @@ use super::super::region_lights::KnownLights;
 use super::super::seen::Outcome;
 use super::{DirectReader, Marks, Vertex};
 
-/// What a vertex finds in the direct mesh about single lights.
-#[derive(Debug)]
-pub(crate) enum LightsReading<'a> {
-    /// What the points of the neighbourhood know.
-    Known(KnownLights<'a>),
-    /// No point of the neighbourhood can be used. Where lights are clusters: those around the vertex, of which nothing is known.
-    Nothing(Option<KnownLights<'a>>),
+/// What a vertex finds in the direct mesh about single lights. [`DirectReader::known_lights`] has what it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightsReading {
+    /// The points of the neighbourhood know something.
+    Known,
+    /// No point of the neighbourhood can be used, but lights are clusters: those around the vertex, of which nothing is known.
+    Unknown,
+    /// No point of the neighbourhood can be used.
+    Nothing,
     /// Points are missing; they have been marked.
     Empty,
 }
@@ -20,7 +22,7 @@ impl DirectReader<'_> {
     /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
     /// that asks.
     #[inline(always)]
-    pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
+    pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading {
         if !self.reader.reads_cells() {
             return self.ask_points(vertex, marks);
         }
@@ -47,13 +49,13 @@ impl DirectReader<'_> {
                 }
                 agreement.ask_corners(near.bits(), voters, &seen.weights, |k| rows[k]);
             }
-            _ => return LightsReading::Nothing(None),
+            _ => return LightsReading::Nothing,
         }
-        LightsReading::Known(self.known())
+        LightsReading::Known
     }
 
     #[cold]
-    fn ask_points(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading<'_> {
+    fn ask_points(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading {
         let mut points = Vec::new();
         match self.reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
             Outcome::Read => {}
@@ -71,9 +73,9 @@ impl DirectReader<'_> {
                 }
                 agreement.ask(near.bits(), &points);
             }
-            _ => return LightsReading::Nothing(None),
+            _ => return LightsReading::Nothing,
         }
-        LightsReading::Known(self.known())
+        LightsReading::Known
     }
 
     /// Makes the lights of the vertex' region those that are asked about, where they are clusters.
@@ -85,17 +87,18 @@ impl DirectReader<'_> {
     }
 
     #[cold]
-    fn nothing_known(&mut self, vertex: &Vertex) -> LightsReading<'_> {
+    fn nothing_known(&mut self, vertex: &Vertex) -> LightsReading {
         if self.near.is_none() {
-            return LightsReading::Nothing(None);
+            return LightsReading::Nothing;
         }
         self.enter_region(vertex);
         self.agreement.ask_nobody();
-        LightsReading::Nothing(Some(self.known()))
+        LightsReading::Unknown
     }
 
+    /// The lights that the last reading was about, and what is known of them.
     #[inline(always)]
-    fn known(&self) -> KnownLights<'_> {
+    pub(crate) fn known_lights(&self) -> KnownLights<'_> {
         match &self.near {
             Some(near) => near.known(&self.agreement),
             None => KnownLights { lights: self.samples, clusters: None, agreement: &self.agreement },
