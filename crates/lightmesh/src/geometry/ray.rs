@@ -45,6 +45,12 @@ const OFFSET: f32 = 1.0 / 16_384.0;
 /// on which the ray goes, so that it does not hit the surface itself. The step is 2⁻¹⁴ of the point's largest coordinate
 /// plus a 64th of `extent`, the largest coordinate (metres) of the object that was hit.
 pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32, direction: Vec3) -> Vec3 {
-    let step = (point.abs().max_element() + extent / 64.0) * OFFSET;
-    point + normal * if normal.dot(direction) < 0.0 { -step } else { step }
+    offset_origins(point, normal, extent)[usize::from(normal.dot(direction) < 0.0)]
+}
+
+/// [`offset_origin`] for directions on the side of `normal`, and for those on the other one.
+#[inline(always)]
+pub(crate) fn offset_origins(point: Vec3, normal: Vec3, extent: f32) -> [Vec3; 2] {
+    let step = normal * ((point.abs().max_element() + extent / 64.0) * OFFSET);
+    [point + step, point - step]
 }

@@ -84,12 +84,11 @@ pub(super) struct ByLight {
     singles: Vec<Single>,
 }
 
-/// What is done with a ray's visibility V: weight · (V − expected) − counted is added to the light of a surface.
+/// What is done with a ray's visibility V: weight · (V − expected) is added to the light of a surface.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     weight: Vec3,
     expected: f32,
-    counted: Vec3,
     surface: u32,
 }
 
@@ -112,12 +111,20 @@ pub(super) struct Lit<'a> {
     /// The lights, and what the points around it know of them.
     pub known: KnownLights<'a>,
     pub seed: u32,
+    /// Where its rays start: [`Vertex::origins`].
+    pub origins: [Vec3; 2],
 }
 
 impl Lit<'_> {
     fn receiver(&self) -> Receiver {
         let Vertex { position, n, ng, .. } = *self.vertex;
         Receiver { position, n, ng, doubt: self.known.agreement.doubt, falloff: self.falloff }
+    }
+
+    /// Where a ray towards `direction` starts.
+    #[inline(always)]
+    fn origin_towards(&self, direction: Vec3) -> Vec3 {
+        self.origins[usize::from(self.vertex.ng.dot(direction) < 0.0)]
     }
 
     /// The i-th random number, in [0, 1).
@@ -312,41 +319,33 @@ impl ByLight {
             && let Some(node) = clusters.node(first + i)
         {
             let rays = worth.unwrap_or(1.0).clamp(1.0, RAYS_PER_CLUSTER.min(clusters.count(node) as f32)).round();
-            let (u, mut at_once) = (lit.random_in(node, k), Vec3::ZERO);
+            let u = lit.random_in(node, k);
             for ray in 0..rays as u32 {
                 let chosen = clusters.choose(node, (ray as f32 + u) / rays);
-                at_once += match worth {
-                    Some(_) => self.want_one_of(lit, chosen, scale / rays, (expected, Vec3::ZERO)),
-                    None => self.want_one_of(lit, chosen, scale, (0.0, weight * expected)),
-                };
+                match worth {
+                    Some(_) => self.want_one_of(lit, chosen, scale / rays, expected),
+                    None => self.want_one_of(lit, chosen, scale, 0.0),
+                }
             }
-            return at_once;
+            return if worth.is_some() { Vec3::ZERO } else { weight * expected };
         }
-        let origin = lit.vertex.origin_towards(block.direction(i));
-        self.rays.push(lights.shadow_ray(first + i, origin));
-        self.waiting.push(Waiting { weight, expected, counted: Vec3::ZERO, surface: lit.surface });
+        self.rays.push(lights.shadow_ray(first + i, lit.origin_towards(block.direction(i))));
+        self.waiting.push(Waiting { weight, expected, surface: lit.surface });
         Vec3::ZERO
     }
 
-    /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster of which so much has been counted.
-    fn want_one_of(
-        &mut self,
-        lit: &Lit<'_>,
-        (lane, p): (usize, f32),
-        scale: f32,
-        (expected, counted): (f32, Vec3),
-    ) -> Vec3 {
+    /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster.
+    fn want_one_of(&mut self, lit: &Lit<'_>, (lane, p): (usize, f32), scale: f32, expected: f32) {
         let Vertex { position, n, .. } = *lit.vertex;
         let samples = lit.scene.lights();
-        let Some(luminaire) = samples.luminaire(lane) else { return counted };
+        let Some(luminaire) = samples.luminaire(lane) else { return };
         let (direction, f) = luminaire.arriving(lit.falloff, position);
         let c = luminaire.intensity * (f * n.dot(direction).max(0.0));
         if c == Vec3::ZERO || p <= 0.0 {
-            return counted;
+            return;
         }
-        self.rays.push(samples.shadow_ray(lane, lit.vertex.origin_towards(direction)));
-        self.waiting.push(Waiting { weight: c * (scale / p), expected, counted, surface: lit.surface });
-        Vec3::ZERO
+        self.rays.push(samples.shadow_ray(lane, lit.origin_towards(direction)));
+        self.waiting.push(Waiting { weight: c * (scale / p), expected, surface: lit.surface });
     }
 
     /// Whether so many rays wait that they should be shot.
@@ -358,8 +357,8 @@ impl ByLight {
     /// Shoots the rays that wait and adds what they find to the irradiance of their surfaces, lux; how many they were.
     pub(super) fn shoot(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for (&Waiting { weight, expected, counted, surface }, &v) in self.waiting.iter().zip(&self.visible) {
-            irradiance[surface as usize] += weight * (v - expected) - counted;
+        for (&Waiting { weight, expected, surface }, &v) in self.waiting.iter().zip(&self.visible) {
+            irradiance[surface as usize] += weight * (v - expected);
         }
         let count = self.rays.len() as u64;
         self.rays.clear();

@@ -151,6 +151,7 @@ impl LitVertices {
                 surface,
                 known: reader.known_lights(),
                 seed: seed ^ seed_of_place(vertex.position),
+                origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {
                 (LightsReading::Known, Shading::ByLight { care, seed }) => by_light.with_care(simd, &lit(seed), care),

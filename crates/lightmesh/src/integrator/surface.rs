@@ -6,7 +6,7 @@ use super::footprint::footprints;
 use super::place::{Place, locate};
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
-use crate::geometry::{Cone, Ray, offset_origin};
+use crate::geometry::{Cone, Ray, offset_origin, offset_origins};
 use crate::scene::{Decode, Material, Scene, TextureRef};
 
 /// A surface point that wants light: what a tracer needs to know of it.
@@ -30,6 +30,12 @@ impl Vertex {
     /// Where a ray towards `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_origin(self.position, self.ng, self.extent, direction)
+    }
+
+    /// Where rays to the side of `ng` start, and those to the other one.
+    #[inline(always)]
+    pub(crate) fn origins(&self) -> [Vec3; 2] {
+        offset_origins(self.position, self.ng, self.extent)
     }
 }
 

@@ -52,8 +52,8 @@ fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
         let mut ray = Ray::new(x - direction * near, direction);
-        if 2 * front >= INSIDE.len() {
-            // It is not inside, but it may be on a surface.
+        if 2 * front >= INSIDE.len() || scene.all_double_sided() {
+            // It is not inside anything, but it may be on a surface.
             ray.t_max = 2.0 * near;
         }
         if let Some(hit) = scene.bvh().closest(&ray) {

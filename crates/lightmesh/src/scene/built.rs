@@ -21,6 +21,7 @@ pub struct Scene {
     pyramids: Vec<Pyramid>,
     solid: Vec<bool>,
     all_solid: bool,
+    all_double_sided: bool,
     warnings: Vec<String>,
     level: Level,
 }
@@ -74,7 +75,9 @@ impl Scene {
         let emitters = Emitters::new(&data, &bvh.bounds(), emitters)?;
         let pyramids = build_pyramids(&data);
         let level = Level::new();
-        Ok(Self { emitters, pyramids, all_solid: solid.iter().all(|&s| s), data, bvh, frames, solid, warnings, level })
+        let all_solid = solid.iter().all(|&s| s);
+        let all_double_sided = data.materials.iter().all(|material| material.double_sided);
+        Ok(Self { emitters, pyramids, all_solid, all_double_sided, data, bvh, frames, solid, warnings, level })
     }
 
     /// The description it was built from, mended where [`Scene::warnings`] says so.
@@ -144,6 +147,11 @@ impl Scene {
     /// Whether all do, so that any hit is a shadow.
     pub(crate) fn all_solid(&self) -> bool {
         self.all_solid
+    }
+
+    /// Whether no material has a back: nothing has an inside.
+    pub(crate) fn all_double_sided(&self) -> bool {
+        self.all_double_sided
     }
 
     /// Whether anything shines that is much brighter than what it lights: lamps with a size, or a sky.
