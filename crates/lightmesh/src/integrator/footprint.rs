@@ -1,8 +1,8 @@
 //! Which part of its textures a cone sees where it meets a surface.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
-use super::place::Place;
+use super::place::{Place, PlacedTriangle};
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Cone, Ray, Sphere};
 use crate::scene::{Footprint, Scene};
@@ -13,28 +13,24 @@ const LEAST_COS: f32 = 1.0 / 32.0;
 
 /// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of
 /// users have none, as they tell nothing of their coordinates' growth.
-pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place) -> [Footprint; 2] {
+pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place<'_>) -> [Footprint; 2] {
     let material = &scene.data().materials[place.material];
     if !material.has_averaged_textures() || cone == Cone::POINT {
         return [Footprint::POINT; 2];
     }
     let section = Section::new(ray.direction, place.ng, cone, hit.t);
-    match hit.target {
-        Target::Triangle { instance, triangle } => {
-            let placed = &scene.data().instances[instance as usize];
-            let mesh = &scene.data().meshes[placed.mesh];
-            let [i, j, k] = mesh.triangles[triangle as usize];
-            let corners = (i as usize, j as usize, k as usize);
-            let edges = Edges::new(&placed.world_from_object, &mesh.positions, corners);
-            let [first, second] = &mesh.uvs;
-            let on = |uvs: &[Vec2]| match uvs {
+    match (hit.target, &place.triangle) {
+        (_, Some(triangle)) => {
+            let section = section.on(barycentric_growth(triangle));
+            [0, 1].map(|set| match triangle.mesh.uvs[set].as_slice() {
                 [] => Footprint::POINT,
-                _ => section.on(edges.growth(uvs, corners)),
-            };
-            [on(first), on(second)]
+                uvs => section.mapped(triangle.corners.map(|i| uvs[i])),
+            })
         }
-        Target::Sphere(i) => [section.on(growth_on_sphere(&scene.data().spheres[i as usize], place.position)); 2],
-        Target::Shape(_) => [Footprint::POINT; 2],
+        (Target::Sphere(i), None) => {
+            [section.on(growth_on_sphere(&scene.data().spheres[i as usize], place.position)); 2]
+        }
+        _ => [Footprint::POINT; 2],
     }
 }
 
@@ -46,14 +42,14 @@ struct Section {
     aside: Vec3,
 }
 
-/// How much u and v grow along a vector: their gradients.
+/// How much two coordinates grow along a vector: their gradients.
 type Growth = (Vec3, Vec3);
 
 impl Section {
     /// With the plane of the unit normal `n`, so many metres along the unit direction `d`.
     fn new(d: Vec3, n: Vec3, cone: Cone, distance: f32) -> Self {
         let cos = n.dot(d);
-        let along_d = d / cos.abs().max(LEAST_COS).copysign(cos);
+        let along_d = d * (1.0 / cos.abs().max(LEAST_COS).copysign(cos));
         // Moved along d, what is beside the ray meets the plane.
         let meet = |beside: Vec3| beside - along_d * beside.dot(n);
         let width = cone.width_at(distance);
@@ -61,35 +57,22 @@ impl Section {
         Self { diameters: (meet(x * width), meet(y * width)), aside: meet(cone.aside * width) }
     }
 
+    /// In the coordinates that grow like this.
     fn on(&self, (u, v): Growth) -> Footprint {
         let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
         Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.aside) }
     }
 }
 
-/// How a triangle's second and third barycentric coordinate grow.
-struct Edges(Growth);
-
-impl Edges {
-    /// Not at all where there is no area.
-    fn new(world_from_object: &Affine3A, positions: &[Vec3], (i, j, k): (usize, usize, usize)) -> Self {
-        let e1 = world_from_object.transform_vector3(positions[j] - positions[i]);
-        let e2 = world_from_object.transform_vector3(positions[k] - positions[i]);
-        let normal = e1.cross(e2);
-        let area2 = normal.length_squared();
-        if area2 < f32::MIN_POSITIVE {
-            return Self((Vec3::ZERO, Vec3::ZERO));
-        }
-        let per_area = normal / area2;
-        Self((e2.cross(per_area), per_area.cross(e1)))
+/// How a triangle's second and third barycentric coordinate grow; not at all where there is no area.
+fn barycentric_growth(triangle: &PlacedTriangle<'_>) -> Growth {
+    let PlacedTriangle { edges: [e1, e2], normal, .. } = *triangle;
+    let area2 = normal.length_squared();
+    if area2 < f32::MIN_POSITIVE {
+        return (Vec3::ZERO, Vec3::ZERO);
     }
-
-    /// Of texture coordinates.
-    fn growth(&self, uvs: &[Vec2], (i, j, k): (usize, usize, usize)) -> Growth {
-        let Self((b, c)) = *self;
-        let (e1, e2) = (uvs[j] - uvs[i], uvs[k] - uvs[i]);
-        (b * e1.x + c * e2.x, b * e1.y + c * e2.y)
-    }
+    let per_area = normal * (1.0 / area2);
+    (e2.cross(per_area), per_area.cross(e1))
 }
 
 /// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, grown by the circle of latitude, and latitude over π
@@ -126,20 +109,30 @@ mod tests {
         }
     }
 
-    /// Texture coordinates that are linear functions of the place, on a mirrored and stretched instance: the gradients are the functions'.
+    /// Texture coordinates that are linear functions of the place: how they grow are the functions' gradients.
     #[test]
     fn gradients_of_linear_coordinates() {
-        let place = Affine3A::from_scale(Vec3::new(-2.0, 0.5, 3.0));
-        let positions = [Vec3::ZERO, Vec3::new(1.0, 0.2, 0.1), Vec3::new(0.3, 1.0, -0.4)];
+        let mesh = TriangleMesh::default();
+        let placed = |p: [Vec3; 3]| {
+            let edges = [p[1] - p[0], p[2] - p[0]];
+            PlacedTriangle { mesh: &mesh, corners: [0, 1, 2], edges, normal: edges[0].cross(edges[1]) }
+        };
+        let p = [Vec3::new(0.1, -0.2, 0.4), Vec3::new(-2.0, 0.1, 0.3), Vec3::new(-0.6, 0.5, -1.2)];
         let (u, v) = (Vec3::new(0.4, -0.2, 0.7), Vec3::new(-1.0, 0.3, 0.2));
-        let world = |i: usize| place.transform_point3(positions[i]);
-        let uvs = [0, 1, 2].map(|i| Vec2::new(world(i).dot(u), world(i).dot(v)));
-        let (du, dv) = Edges::new(&place, &positions, (0, 1, 2)).growth(&uvs, (0, 1, 2));
-        for edge in [world(1) - world(0), world(2) - world(1)] {
-            assert!((edge.dot(du) - edge.dot(u)).abs() < 1e-5 && (edge.dot(dv) - edge.dot(v)).abs() < 1e-5);
+        let coordinates = |p: Vec3| Vec2::new(p.dot(u), p.dot(v));
+        let triangle = placed(p);
+        let [e1, e2] = triangle.edges;
+        let section = Section { diameters: (e1 * 0.3, e2 - e1), aside: e2 * 0.1 };
+        let found = section.on(barycentric_growth(&triangle)).mapped(p.map(coordinates));
+        let expected = Footprint {
+            sides: [coordinates(section.diameters.0), coordinates(section.diameters.1)],
+            aside: coordinates(section.aside),
+        };
+        for (found, expected) in found.sides.into_iter().zip(expected.sides) {
+            assert!((found - expected).length() < 1e-5, "{found} {expected}");
         }
-        let line = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
-        assert_eq!(Edges::new(&place, &line, (0, 1, 2)).growth(&uvs, (0, 1, 2)), (Vec3::ZERO, Vec3::ZERO));
+        assert!((found.aside - expected.aside).length() < 1e-5);
+        assert_eq!(barycentric_growth(&placed([Vec3::ZERO, Vec3::X, Vec3::X * 2.0])), (Vec3::ZERO, Vec3::ZERO));
     }
 
     /// A small step on a sphere changes its coordinates by as much as the gradients say.

@@ -8,7 +8,7 @@ use crate::geometry::{Ray, TriangleMesh};
 use crate::scene::{Footprint, Scene};
 
 /// The geometry of a hit, in world space.
-pub(super) struct Place {
+pub(super) struct Place<'a> {
     pub position: Vec3,
     /// Unit geometric normal, on the viewer's side.
     pub ng: Vec3,
@@ -28,6 +28,20 @@ pub(super) struct Place {
     pub material: usize,
     /// Tangent and bitangent for the normal map, if there is one.
     pub tangents: Option<(Vec3, Vec3)>,
+    /// What was hit, if it is a triangle.
+    pub triangle: Option<PlacedTriangle<'a>>,
+}
+
+/// A triangle in world space.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedTriangle<'a> {
+    pub mesh: &'a TriangleMesh,
+    /// The numbers of its corners.
+    pub corners: [usize; 3],
+    /// From the first corner to the others, metres.
+    pub edges: [Vec3; 2],
+    /// Their cross product.
+    pub normal: Vec3,
 }
 
 /// `n`, turned to the side of `reference`.
@@ -36,7 +50,7 @@ pub(super) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
 }
 
 /// Evaluates the geometry that `ray` hit; footprints are left out.
-pub(super) fn locate(scene: &Scene, ray: &Ray, hit: &Hit) -> Place {
+pub(super) fn locate<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> Place<'a> {
     match hit.target {
         Target::Triangle { instance, triangle } => locate_triangle(scene, ray, hit, instance, triangle),
         Target::Sphere(i) => {
@@ -58,14 +72,25 @@ pub(super) fn locate(scene: &Scene, ray: &Ray, hit: &Hit) -> Place {
 }
 
 /// A sphere or user-defined shape: the normal is exact, so it is geometric and shading normal in one.
-fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32, material: usize) -> Place {
+fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32, material: usize) -> Place<'static> {
     let front = outward.dot(ray.direction) < 0.0;
     let n = if front { outward } else { -outward };
-    let footprints = [Footprint::POINT; 2];
-    Place { position, ng: n, n, extent, front, uvs: [uv; 2], footprints, color: Vec4::ONE, material, tangents: None }
+    Place {
+        position,
+        ng: n,
+        n,
+        extent,
+        front,
+        uvs: [uv; 2],
+        footprints: [Footprint::POINT; 2],
+        color: Vec4::ONE,
+        material,
+        tangents: None,
+        triangle: None,
+    }
 }
 
-fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> Place {
+fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> Place<'a> {
     let placed = &scene.data().instances[instance as usize];
     let mesh = &scene.data().meshes[placed.mesh];
     let frame = scene.frame(instance);
@@ -79,8 +104,9 @@ fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle:
     }
     let position = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
     let extent = p[0].abs().max(p[1].abs()).max(p[2].abs()).max_element();
-    let outward = (p[1] - p[0]).cross(p[2] - p[0]) * frame.handedness;
-    let outward = outward.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
+    let edges = [p[1] - p[0], p[2] - p[0]];
+    let normal = edges[0].cross(edges[1]);
+    let outward = (normal * frame.handedness).try_normalize().unwrap_or_else(|| -ray.direction.normalize());
     let front = outward.dot(ray.direction) < 0.0;
     let ng = if front { outward } else { -outward };
 
@@ -97,8 +123,19 @@ fn locate_triangle(scene: &Scene, ray: &Ray, hit: &Hit, instance: u32, triangle:
         mesh.colors[corners[0]] * b[0] + mesh.colors[corners[1]] * b[1] + mesh.colors[corners[2]] * b[2]
     };
     let uvs = [0, 1].map(|set| interpolate(&mesh.uvs[set], corners, b));
-    let (footprints, material) = ([Footprint::POINT; 2], mesh.material);
-    let mut place = Place { position, ng, n, extent, front, uvs, footprints, color, material, tangents: None };
+    let mut place = Place {
+        position,
+        ng,
+        n,
+        extent,
+        front,
+        uvs,
+        footprints: [Footprint::POINT; 2],
+        color,
+        material: mesh.material,
+        tangents: None,
+        triangle: Some(PlacedTriangle { mesh, corners, edges, normal }),
+    };
     if let Some(map) = scene.data().materials[mesh.material].normal_texture {
         let outward = if front { n } else { -n };
         let frame = if mesh.tangents.is_empty() {

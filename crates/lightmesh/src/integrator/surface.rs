@@ -105,7 +105,7 @@ pub(crate) fn evaluate_seen(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> 
 }
 
 /// Evaluates the material at a place; the model is documented at [`Material`].
-fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place) -> Surface {
+fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place<'_>) -> Surface {
     let material = &scene.data().materials[place.material];
     let n = bumped_normal(scene, material, place);
     let base = base_color(scene, material, place);
@@ -185,7 +185,7 @@ pub(crate) fn is_back_face(scene: &Scene, ray: &Ray, hit: &Hit) -> bool {
 }
 
 /// A surface that neither emits nor reflects.
-fn plain(place: &Place, n: Vec3, coverage: f32) -> Surface {
+fn plain(place: &Place<'_>, n: Vec3, coverage: f32) -> Surface {
     Surface {
         position: place.position,
         n,
@@ -202,7 +202,7 @@ fn plain(place: &Place, n: Vec3, coverage: f32) -> Surface {
 }
 
 /// Schlick's approximation with glTF's F0 and F90 (see [`Material`]).
-fn schlick(scene: &Scene, material: &Material, place: &Place, base: Vec3, metallic: f32, cos: f32) -> Vec3 {
+fn schlick(scene: &Scene, material: &Material, place: &Place<'_>, base: Vec3, metallic: f32, cos: f32) -> Vec3 {
     let specular = material.specular * linear_texture(scene, material.specular_texture, place).w;
     let color = material.specular_color * color_texture(scene, material.specular_color_texture, place).truncate();
     let ratio = (material.ior - 1.0) / (material.ior + 1.0);
@@ -221,17 +221,17 @@ fn coverage(material: &Material, alpha: f32) -> f32 {
     }
 }
 
-fn base_color(scene: &Scene, material: &Material, place: &Place) -> Vec4 {
+fn base_color(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec4 {
     let texture = color_texture(scene, material.base_color_texture, place);
     (material.base_color.extend(material.alpha) * place.color * texture).clamp(Vec4::ZERO, Vec4::ONE)
 }
 
-fn emission(scene: &Scene, material: &Material, place: &Place) -> Vec3 {
+fn emission(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec3 {
     material.emission * color_texture(scene, material.emission_texture, place).truncate()
 }
 
 /// A texture of colours, the mean over the footprint.
-fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec4 {
+fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
     let image = &scene.data().images[texture.image];
@@ -241,14 +241,14 @@ fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) 
 }
 
 /// A texture of numbers, at a point.
-fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place) -> Vec4 {
+fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
     texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), Decode::Linear)
 }
 
 /// The shading normal, turned by the normal map (glTF 2.0 §3.9.3).
-fn bumped_normal(scene: &Scene, material: &Material, place: &Place) -> Vec3 {
+fn bumped_normal(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec3 {
     let (Some(map), Some((tangent, bitangent))) = (material.normal_texture, place.tangents) else { return place.n };
     let texel = linear_texture(scene, Some(map), place).truncate() * 2.0 - 1.0;
     let (x, y) = (texel.x * material.normal_scale, texel.y * material.normal_scale);

@@ -23,6 +23,13 @@ impl Footprint {
     /// A single place.
     pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], aside: Vec2::ZERO };
 
+    /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third barycentric coordinates.
+    pub(crate) fn mapped(self, corners: [Vec2; 3]) -> Self {
+        let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let map = |side: Vec2| b * side.x + c * side.y;
+        Self { sides: self.sides.map(map), aside: map(self.aside) }
+    }
+
     /// The footprint in the coordinates that a transform makes.
     pub(crate) fn transformed(self, transform: &UvTransform) -> Self {
         Self { sides: self.sides.map(|side| transform.matrix * side), aside: transform.matrix * self.aside }
@@ -42,21 +49,22 @@ impl Footprint {
         if !(major2 > 1.0 && major2 < f32::INFINITY) {
             return None;
         }
+        // The square of the minor axis, no less than a texel, times major2.
         let area = a.perp_dot(b);
-        let minor2 = (area * area / major2).max(1.0);
+        let area2 = (area * area).max(major2);
         let axis = if xx > yy { Vec2::new(major2 - yy, xy) } else { Vec2::new(xy, major2 - xx) };
         let squared = axis.length_squared();
         let major = if squared > 0.0 { axis * (major2 / squared).sqrt() } else { Vec2::new(major2.sqrt(), 0.0) };
-        let count = ((major2 / minor2).sqrt() + 0.5).min(MOST_TAPS);
-        let (level, above) = level_of(minor2);
-        Some(Taps { major: major / size, count: count as u32, level, above })
+        let count = (major2 / area2.sqrt() + 0.5).min(MOST_TAPS);
+        let (level, above) = level_of(area2 / major2);
+        Some(Taps { major, count: count as u32, level, above })
     }
 }
 
 /// Lookups along the longer axis of a footprint, each as wide as the shorter one (as Feline and GPUs do: McCormack et al., "Feline: Fast
 /// Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH 1999, with equal weights: a box, not a Gaussian).
 struct Taps {
-    /// The longer axis, in texture coordinates.
+    /// The longer axis, in texels.
     major: Vec2,
     count: u32,
     /// The finer of two levels of the pyramid, and the part of the coarser one.
@@ -94,9 +102,10 @@ impl Texture {
         let Some(taps) = taps else { return self.sample(image, uv, decode) };
         // Most lookups are in the first period then, where none has to be divided by the size.
         let middle = uv + footprint.aside;
+        let major = taps.major / Vec2::new(image.width as f32, image.height as f32);
         let middle = Vec2::new(fold(self.wrap_s, middle.x), fold(self.wrap_t, middle.y));
         let along = |image: &ImageData, count: u32| {
-            let step = taps.major / count as f32;
+            let step = major / count as f32;
             self.sample_row(image, (middle - step * (0.5 * (count - 1) as f32), step), count, decode)
         };
         if taps.level == 0 && taps.above == 0.0 {
