@@ -117,23 +117,38 @@ impl Texture {
         decode: Decode,
     ) -> Vec4 {
         // One loop body for each way to store texels: many lookups make a picture.
+        let row = ((first, step), count);
         match (&image.texels, decode) {
-            (Texels::Rgba32F(t), _) => self.mean(image, (first, step), count, |i| Vec4::from_array(t[i])),
-            (Texels::Rgba8(t), Decode::Linear) => self.mean(image, (first, step), count, |i| linear_from_bytes(t[i])),
+            (Texels::Rgba32F(t), _) => self.mean(image, row, t, |t| Vec4::from_array(*t)),
+            (Texels::Rgba8(t), Decode::Linear) => self.mean(image, row, t, |t| linear_from_bytes(*t)),
             (Texels::Rgba8(t), Decode::Srgb) => {
                 let table = srgb_table();
-                self.mean(image, (first, step), count, |i| linear_from_srgb_bytes(table, t[i]))
+                self.mean(image, row, t, |t| linear_from_srgb_bytes(table, *t))
             }
         }
     }
 
     #[inline(always)]
-    fn mean(&self, image: &ImageData, (first, step): (Vec2, Vec2), count: u32, texel: impl Fn(usize) -> Vec4) -> Vec4 {
-        if count == 1 {
-            return self.combine(image, first, texel);
+    fn mean<T>(
+        &self,
+        image: &ImageData,
+        ((first, step), count): ((Vec2, Vec2), u32),
+        texels: &[T],
+        decode: impl Fn(&T) -> Vec4,
+    ) -> Vec4 {
+        let scale = 1.0 / count as f32;
+        if self.filter == Filter::Bilinear {
+            let size = Vec2::new(image.width as f32, image.height as f32);
+            let (start, step) = (first * size - 0.5, step * size);
+            let end = start + step * (count - 1) as f32;
+            // Most rows are inside, where nothing wraps.
+            if start.min(end).cmpge(Vec2::ZERO).all() && start.max(end).cmplt(size - 1.0).all() {
+                let lookup = |i: u32| inside(texels, image.width as usize, start + step * i as f32, &decode);
+                return if count == 1 { lookup(0) } else { (0..count).map(lookup).sum::<Vec4>() * scale };
+            }
         }
-        let sum: Vec4 = (0..count).map(|i| self.combine(image, first + step * i as f32, &texel)).sum();
-        sum / count as f32
+        let lookup = |i: u32| self.combine(image, first + step * i as f32, |i| decode(&texels[i]));
+        if count == 1 { lookup(0) } else { (0..count).map(lookup).sum::<Vec4>() * scale }
     }
 
     /// The texels about `uv`, as the filter says.
@@ -156,6 +171,17 @@ impl Texture {
             }
         }
     }
+}
+
+/// The four texels about a place in an image's inside, in texels from the centre of the first one.
+#[inline(always)]
+fn inside<T>(texels: &[T], width: usize, at: Vec2, decode: impl Fn(&T) -> Vec4) -> Vec4 {
+    let (i, j) = (at.x as u32, at.y as u32);
+    let (fx, fy) = (at.x - i as f32, at.y - j as f32);
+    let above = &texels[j as usize * width + i as usize..];
+    let below = &above[width..];
+    let top = decode(&above[0]).lerp(decode(&above[1]), fx);
+    top.lerp(decode(&below[0]).lerp(decode(&below[1]), fx), fy)
 }
 
 /// How stored texels become linear values.
