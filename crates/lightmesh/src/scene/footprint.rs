@@ -44,7 +44,8 @@ impl Footprint {
         let [a, b] = self.sides.map(|side| side * size);
         let (xx, xy, yy) = (a.x * a.x + b.x * b.x, a.x * a.y + b.x * b.y, a.y * a.y + b.y * b.y);
         let apart = 0.5 * (xx - yy);
-        let major2 = 0.5 * (xx + yy) + (apart * apart + xy * xy).sqrt();
+        let root = (apart * apart + xy * xy).sqrt();
+        let major2 = 0.5 * (xx + yy) + root;
         // Also where numbers ran over: nothing is known then.
         if !(major2 > 1.0 && major2 < f32::INFINITY) {
             return None;
@@ -52,9 +53,11 @@ impl Footprint {
         // The square of the minor axis, no less than a texel, times major2.
         let area = a.perp_dot(b);
         let area2 = (area * area).max(major2);
-        let axis = if xx > yy { Vec2::new(major2 - yy, xy) } else { Vec2::new(xy, major2 - xx) };
-        let squared = axis.length_squared();
-        let major = if squared > 0.0 { axis * (major2 / squared).sqrt() } else { Vec2::new(major2.sqrt(), 0.0) };
+        // The eigenvector's larger component, not 0 for a circle either, and its smaller one.
+        let larger = (apart.abs() + root).max(1e-6 * major2);
+        let scale = (major2 / (larger * larger + xy * xy)).sqrt();
+        let (larger, smaller) = (larger * scale, xy * scale);
+        let major = if xx > yy { Vec2::new(larger, smaller) } else { Vec2::new(smaller, larger) };
         let count = (major2 / area2.sqrt() + 0.5).min(MOST_TAPS);
         let (level, above) = level_of(area2 / major2);
         Some(Taps { major, count: count as u32, level, above })
