@@ -108,8 +108,11 @@ pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
     let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
     let weights = [flat * rest.z, flat * frac.z];
     let heights = heights_above(vertex.ng, height);
-    let read =
-        [0, 1].map(|z| (weights[z].cmpge(Vec4::splat(MIN_WEIGHT)) & heights[z].cmpgt(Vec4::ZERO)).bitmask() as u8);
+    // By sign bits: they come out of a vector sooner than comparisons do.
+    let read = [0, 1].map(|z| {
+        let above = (Vec4::ZERO - heights[z]).is_negative_bitmask();
+        above as u8 & !((weights[z] - MIN_WEIGHT).is_negative_bitmask() as u8)
+    });
     Stencil { cell, weights, heights, read: read[0] | read[1] << 4 }
 }
 
