@@ -278,11 +278,15 @@ impl RenderOptions {
             if refine > 4 {
                 return bad("refine", format!("must be at most 4, not {refine}"));
             }
-            if !matches!(self.method, Method::Mesh | Method::Hybrid) {
-                return bad("refine", "is for the methods mesh and hybrid".into());
+            if !self.method.has_mesh() {
+                return bad("refine", "is for methods that have a mesh".into());
             }
-            if !matches!(self.interpolation, Interpolation::Auto | Interpolation::Trilinear) {
-                return bad("interpolation", "meshes that are refined are read trilinear".into());
+            let trilinear = match self.interpolation {
+                Interpolation::Auto => self.method != Method::Paper,
+                other => other == Interpolation::Trilinear,
+            };
+            if !trilinear {
+                return bad("interpolation", "must be trilinear where meshes are refined".into());
             }
         }
         if self.bounces > 4096 {

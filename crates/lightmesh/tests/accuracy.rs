@@ -180,21 +180,24 @@ fn few_lights_are_traced() {
     assert_eq!(frame.stats.estimated_error, Some(0.0));
 }
 
-/// Every level of refinement brings the mesh nearer to the truth, and its points are counted.
+/// Every level of refinement brings the light of each method nearer to the truth, and its points are counted.
 #[test]
 fn refined_meshes_are_better() {
     let scene = hall();
     let camera = fence_camera();
-    let sized = |method| RenderOptions { width: 128, height: 96, ..options(method) };
+    let sized =
+        |method| RenderOptions { width: 128, height: 96, interpolation: Interpolation::Trilinear, ..options(method) };
     let truth = shoot(&scene, &camera, &sized(Method::Standard)).image;
-    let mut last = f64::INFINITY;
-    for levels in 0..=2 {
-        let options = RenderOptions { refine: Some(levels), ..sized(Method::Mesh) };
-        let frame = shoot(&scene, &camera, &options);
-        let error = relrmse(&frame.image, &truth);
-        assert!(error < 0.9 * last, "{levels}: {error} after {last}");
-        assert_eq!(frame.stats.direct.points_refined > 0, levels > 0);
-        last = error;
+    for (method, at_most) in [(Method::Mesh, 0.9), (Method::Paper, 0.95), (Method::Unbiased, 0.95)] {
+        let mut last = f64::INFINITY;
+        for levels in 0..=2 {
+            let options = RenderOptions { refine: Some(levels), rays: 2, ..sized(method) };
+            let frame = shoot(&scene, &camera, &options);
+            let error = relrmse(&frame.image, &truth);
+            assert!(error < at_most * last, "{method:?}, {levels}: {error} after {last}");
+            assert_eq!(frame.stats.direct.points_refined > 0, levels > 0);
+            last = error;
+        }
     }
 }
 
@@ -222,6 +225,7 @@ fn what_came_before_does_not_matter() {
         with(Method::Hybrid, None, None),
         with(Method::Hybrid, Some(1), None),
         with(Method::Unbiased, None, None),
+        with(Method::Unbiased, Some(1), None),
         with(Method::Mesh, Some(2), None),
         with(Method::Mesh, None, Some(0.05)),
     ] {
@@ -244,7 +248,8 @@ fn options_that_do_not_go_together_are_refused() {
     refused(RenderOptions { error: Some(0.05), ..options(Method::Path) }, "error");
     refused(RenderOptions { rays: 0, ..options(Method::Unbiased) }, "rays");
     refused(RenderOptions { refine: Some(5), ..options(Method::Mesh) }, "refine");
-    refused(RenderOptions { refine: Some(1), ..options(Method::Paper) }, "refine");
+    refused(RenderOptions { refine: Some(1), ..options(Method::Standard) }, "refine");
+    refused(RenderOptions { refine: Some(1), ..options(Method::Paper) }, "interpolation");
     let sphere = Interpolation::Sphere { radius: 1.5 };
     refused(RenderOptions { interpolation: sphere, ..options(Method::Hybrid) }, "interpolation");
     refused(

@@ -69,6 +69,16 @@ impl Plan {
         Self { seen, gathered, indirect }
     }
 
+    /// The same with other random numbers: what a choice is made by must not be what is chosen for, or the choice has a bias.
+    pub(super) fn reseeded(self) -> Self {
+        let seen = match self.seen {
+            Shading::Exact | Shading::MeanVisibility => self.seen,
+            Shading::ByLight { care, seed } => Shading::ByLight { care, seed: hash(!seed) },
+            Shading::Unbiased { rays, seed } => Shading::Unbiased { rays, seed: hash(!seed) },
+        };
+        Self { seen, ..self }
+    }
+
     /// How vertices that look at the mesh like this take their direct light.
     pub(super) fn shading(&self, sight: Sight) -> Shading {
         match sight {

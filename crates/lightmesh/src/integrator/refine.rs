@@ -52,8 +52,10 @@ pub(super) fn refine(
     let rounds = frame.options.refinements();
     let is_direct = frame.is_direct();
     // Exact light has no mesh to refine.
-    let refines_direct = matches!(frame.plan.seen, Shading::MeanVisibility | Shading::ByLight { .. });
-    if rounds == 0 || (is_direct && !refines_direct) {
+    let refines_direct = frame.plan.seen != Shading::Exact;
+    // Paths go on from the first level.
+    let refines_indirect = !is_direct && !matches!(frame.plan.indirect, Indirect::Unbiased { .. });
+    if rounds == 0 || !(refines_direct || refines_indirect) {
         return Ok(());
     }
     let pixels =
@@ -72,7 +74,7 @@ pub(super) fn refine(
     let bound = SHARE * frame.options.error.map_or(DEFAULT_BOUND, f64::from) * mean;
 
     for _ in 0..rounds {
-        let hits = look(frame, plan, stats)?;
+        let hits = look(frame, plan.reseeded(), stats)?;
         let Lighting::Mesh(mesh) = &mut frame.lighting else { break };
         let errors = |of: fn(&LitHit) -> glam::Vec3| {
             let truths = first.iter().zip(&second);
@@ -91,7 +93,7 @@ pub(super) fn refine(
                 budget.saturating_sub(mesh.direct.stats().bytes) / (POINTS_PER_CELL * mesh.direct.bytes_per_point());
             refined += refine_worst(mesh.direct.points_mut(), &errors(|hit| hit.direct), most, fit);
         }
-        if let Some(field) = &mut mesh.indirect {
+        if let Some(field) = mesh.indirect.as_mut().filter(|_| refines_indirect) {
             let fit = budget.saturating_sub(field.stats().bytes) / (POINTS_PER_CELL * field.bytes_per_point());
             refined += refine_worst(field.points_mut(), &errors(|hit| hit.indirect), most, fit);
         }
