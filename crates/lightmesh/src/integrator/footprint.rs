@@ -88,6 +88,7 @@ fn growth_on_sphere(sphere: &Sphere, position: Vec3) -> Growth {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::TriangleMesh;
 
     /// The section of a cone whose axis is the ray: what a ray beside it, by the cone's width, meets of the plane.
     #[test]
