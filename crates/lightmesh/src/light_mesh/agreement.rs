@@ -90,7 +90,7 @@ impl Agreement {
         if !self.knows((visit, mask)) {
             self.points.clear();
             self.points.extend(corners_of(mask).map(index));
-            self.count(bits, |i| corners_of(mask).nth(i).unwrap_or(0) as u32);
+            self.count(bits, corners_of(mask));
             self.counted = Voters::Corners(visit, mask);
         }
         let scale = 1.0 / (weights[0].element_sum() + weights[1].element_sum());
@@ -105,7 +105,7 @@ impl Agreement {
         if self.counted != Voters::Listed || !self.points.iter().eq(points.iter().map(|(point, _)| point)) {
             self.points.clear();
             self.points.extend(points.iter().map(|&(point, _)| point));
-            self.count(bits, |i| i as u32);
+            self.count(bits, 0..points.len());
             self.counted = Voters::Listed;
         }
         let scale = 1.0 / points.iter().map(|(_, weight)| weight).sum::<f32>();
@@ -116,13 +116,21 @@ impl Agreement {
         }
     }
 
-    /// Counts the votes of the points; point i votes with bit `place(i)`.
-    fn count(&mut self, bits: &LightBits, place: impl Fn(usize) -> u32) {
+    /// Counts the votes of the points, each of which votes with its own bit.
+    fn count(&mut self, bits: &LightBits, places: impl Iterator<Item = usize>) {
         self.votes.clear();
+        let mut voters = [(0, 0); MAX_POINTS];
+        let voters = &mut voters[..self.points.len()];
+        for ((voter, &point), place) in voters.iter_mut().zip(&self.points).zip(places) {
+            *voter = (point, place);
+        }
+        let mut rows = [(0, 0, 0); MAX_POINTS];
         for (word, sure) in self.sure.chunks_mut(64).enumerate() {
             let (mut all, mut any) = (u64::MAX, 0);
-            for &point in &self.points {
+            let rows = &mut rows[..voters.len()];
+            for (row, &(point, place)) in rows.iter_mut().zip(&*voters) {
                 let (seen, open) = bits.rows(point);
+                *row = (seen[word], open[word], place);
                 all &= seen[word];
                 any |= open[word];
             }
@@ -133,15 +141,11 @@ impl Agreement {
             for (i, block) in self.disputed[word * 64 / LANES..].iter_mut().take(64 / LANES).enumerate() {
                 *block = (disputed >> (i * LANES)) as u32 & ((1 << LANES) - 1);
             }
-            for bit in ones(disputed) {
-                let (mut seen_by, mut open_to) = (0, 0);
-                for (i, &point) in self.points.iter().enumerate() {
-                    let (seen, open) = bits.rows(point);
-                    seen_by |= ((seen[word] >> bit & 1) as u32) << place(i);
-                    open_to |= ((open[word] >> bit & 1) as u32) << place(i);
-                }
-                self.votes.push((seen_by, open_to));
-            }
+            self.votes.extend(ones(disputed).map(|bit| {
+                rows.iter().fold((0, 0), |(seen_by, open_to), &(seen, open, place)| {
+                    (seen_by | ((seen >> bit & 1) as u32) << place, open_to | ((open >> bit & 1) as u32) << place)
+                })
+            }));
         }
     }
 
