@@ -13,6 +13,7 @@ mod outputs;
 mod preview;
 mod progress;
 mod render;
+mod reproduce;
 mod settings;
 mod stats;
 mod terminal;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

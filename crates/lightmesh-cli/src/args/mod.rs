@@ -9,6 +9,7 @@ mod interpolation;
 mod memory;
 mod method;
 mod render;
+mod reproduce;
 mod size;
 mod spacing;
 mod time_limit;
@@ -19,7 +20,7 @@ use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::{
     emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure, method::name as method_name,
-    render::RenderArgs,
+    render::RenderArgs, reproduce::ReproduceArgs,
 };
 
 /// Renders scenes lit by many lights, with light meshes.
@@ -41,6 +42,8 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Measure how far picture A is from the reference B
     Compare(CompareArgs),
+    /// Run the experiments of the paper into one page
+    Reproduce(ReproduceArgs),
 }
 
 /// Arguments of `info`.

@@ -26,6 +26,7 @@ pub(crate) fn all() -> Vec<SceneFile> {
         file("room_10.glb", room::room(10)),
         file("room_15.glb", room::room(15)),
         file("room_100.glb", room::room(100)),
+        file("room_1000.glb", room::room(1000)),
         file("triangle.glb", triangle::triangle()),
         file("cornell.glb", cornell::cornell()),
     ]

@@ -1,0 +1,78 @@
+//! Direct light only, one bounce, several: colour bleeding.
+
+use lightmesh::{Image, Method, RenderOptions};
+
+use crate::Error;
+use crate::lab::Lab;
+use crate::picture::{enlarged, figure};
+use crate::report::{Claim, Section, Table, Verdict};
+use crate::scenes::SceneName;
+
+/// The part of the picture that is enlarged, in parts of its size: left, top, width, height. The floor beside the coloured wall.
+const PART: (f32, f32, f32, f32) = (0.12, 0.7, 0.2, 0.2);
+
+pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
+    let side: u32 = if lab.quick { 160 } else { 480 };
+    let place = lab.place(SceneName::Cornell)?;
+    let with = |method, bounces| RenderOptions {
+        method,
+        width: side,
+        height: side,
+        spp: 4,
+        bounces,
+        ..RenderOptions::default()
+    };
+    let ways = [
+        ("direct light", with(Method::Mesh, 0)),
+        ("one bounce", with(Method::Mesh, 1)),
+        ("six bounces", with(Method::Mesh, 6)),
+        ("paper, one bounce", with(Method::Paper, 1)),
+    ];
+    let mut shots = Vec::new();
+    for (_, options) in &ways {
+        shots.push(lab.shot(&place, options)?);
+    }
+    let part = {
+        let at = |x: f32| (x * side as f32) as u32;
+        (at(PART.0), at(PART.1), at(PART.2), at(PART.3))
+    };
+    let times = if lab.quick { 4 } else { 2 };
+    let parts: Vec<Image> = shots.iter().map(|shot| enlarged(&shot.image, part, times)).collect();
+    let mut rows = Vec::new();
+    let mut redness = Vec::new();
+    for ((name, _), (shot, part)) in ways.iter().zip(shots.iter().zip(&parts)) {
+        let sum: glam::Vec3 = part.pixels.iter().sum();
+        redness.push(f64::from(sum.x / sum.y.max(1e-9)));
+        let mean =
+            shot.image.pixels.iter().map(|p| crate::picture::luminance(*p)).sum::<f64>() / f64::from(side * side);
+        rows.push(vec![(*name).into(), shot.seconds().into(), mean.into(), redness[redness.len() - 1].into()]);
+    }
+    let columns = ["light", "seconds", "mean luminance, cd/m²", "red over green beside the red wall"];
+    let caption = format!("{side} × {side}, 4 samples per pixel, default spacings.");
+    let table = Table { caption, columns: columns.map(str::to_owned).to_vec(), rows };
+    let named = |images: &mut dyn Iterator<Item = &Image>| -> Result<_, Error> {
+        let pictures: Vec<_> = ways.iter().map(|(name, _)| *name).zip(images).collect();
+        Ok(pictures.into_iter().map(|(name, image)| (name, image.clone())).collect::<Vec<_>>())
+    };
+    let whole = named(&mut shots.iter().map(|shot| &shot.image))?;
+    let near = named(&mut parts.iter())?;
+    let borrowed = |pictures: &[(&'static str, Image)], caption: &str| {
+        let pictures: Vec<_> = pictures.iter().map(|(name, image)| (*name, image)).collect();
+        figure(caption, &pictures)
+    };
+    let figures = vec![
+        borrowed(&whole, "A box with a red and a green wall.")?,
+        borrowed(&near, "The floor beside the red wall, enlarged: the wall's colour arrives with the first bounce.")?,
+    ];
+    let gain = redness[1] / redness[0];
+    let claims = vec![Claim {
+        claim: "Indirect light carries the colour of walls to what stands beside them.".into(),
+        paper: None,
+        ours: gain,
+        unit: "×".into(),
+        verdict: Verdict::of(gain > 1.05, gain > 1.0),
+        note: "Red over green on the floor beside the red wall, with one bounce over direct light; holds above 1.05."
+            .into(),
+    }];
+    Ok(Section { tables: vec![table], figures, claims, ..Section::default() })
+}

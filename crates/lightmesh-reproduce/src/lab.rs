@@ -1,0 +1,187 @@
+//! Where pictures are taken: those that several experiments want are rendered once.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use lightmesh::metrics::difference;
+use lightmesh::{
+    Camera, EmitterOptions, Image, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene, SceneData, Spacing,
+    render,
+};
+
+use crate::scenes::{self, SceneName};
+use crate::{Error, Watcher};
+
+/// The laboratory of a run.
+pub(crate) struct Lab<'a> {
+    /// Whether pictures are small.
+    pub(crate) quick: bool,
+    watcher: &'a dyn Watcher,
+    places: HashMap<String, Rc<Place>>,
+    shots: HashMap<String, Rc<Shot>>,
+}
+
+/// A scene, ready for rays, and a camera.
+pub(crate) struct Place {
+    name: String,
+    pub(crate) data: SceneData,
+    pub(crate) scene: Scene,
+    pub(crate) camera: Camera,
+}
+
+/// A picture, and what it took with an empty mesh.
+pub(crate) struct Shot {
+    pub(crate) image: Image,
+    pub(crate) stats: RenderStats,
+}
+
+impl Shot {
+    /// Render time, seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.stats.seconds.render
+    }
+
+    /// Root mean square difference from the other picture, as a part of that one's mean.
+    pub(crate) fn error(&self, truth: &Self) -> f64 {
+        difference(&self.image.pixels, &truth.image.pixels).relrmse
+    }
+}
+
+/// Carries the wish to stop into a render.
+struct Stop<'a>(&'a dyn Watcher);
+
+impl Progress for Stop<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+impl<'a> Lab<'a> {
+    pub(crate) fn new(quick: bool, watcher: &'a dyn Watcher) -> Self {
+        Self { quick, watcher, places: HashMap::new(), shots: HashMap::new() }
+    }
+
+    /// A scene with its own camera.
+    pub(crate) fn place(&mut self, name: SceneName) -> Result<Rc<Place>, Error> {
+        self.place_with(name, &EmitterOptions::default(), None)
+    }
+
+    /// A scene whose lights are made otherwise, or that is seen by another camera.
+    pub(crate) fn place_with(
+        &mut self,
+        name: SceneName,
+        emitters: &EmitterOptions,
+        camera: Option<Camera>,
+    ) -> Result<Rc<Place>, Error> {
+        let key = format!("{name:?} {emitters:?} {camera:?}");
+        if let Some(place) = self.places.get(&key) {
+            return Ok(Rc::clone(place));
+        }
+        let (data, own) = scenes::read(name)?;
+        let scene = Scene::with_emitters(data.clone(), emitters)?;
+        let place = Rc::new(Place { name: key.clone(), data, scene, camera: camera.unwrap_or(own) });
+        self.places.insert(key, Rc::clone(&place));
+        Ok(place)
+    }
+
+    /// A scene that is made up, called so.
+    pub(crate) fn made_up(&self, name: String, data: SceneData, camera: Camera) -> Result<Place, Error> {
+        Ok(Place { name, scene: Scene::new(data.clone())?, data, camera })
+    }
+
+    /// A picture of a place, taken before or now.
+    pub(crate) fn shot(&mut self, place: &Place, options: &RenderOptions) -> Result<Rc<Shot>, Error> {
+        let key = format!("{} {options:?}", place.name);
+        if let Some(shot) = self.shots.get(&key) {
+            return Ok(Rc::clone(shot));
+        }
+        let shot = Rc::new(self.take(place, options)?);
+        self.shots.insert(key, Rc::clone(&shot));
+        Ok(shot)
+    }
+
+    /// A picture that is taken now.
+    fn take(&self, place: &Place, options: &RenderOptions) -> Result<Shot, Error> {
+        let RenderOptions { method, width, height, .. } = options;
+        self.watcher.picture(&format!("{method:?}, {width} × {height}"));
+        let mut mesh = LightMesh::new(&place.scene, options)?;
+        let frame = render(&place.scene, &place.camera, options, &mut mesh, &Stop(self.watcher))?;
+        Ok(Shot { image: frame.image, stats: frame.stats })
+    }
+
+    /// Render times of several ways to take a picture, seconds: medians of three interleaved runs, or of one where a picture takes
+    /// longer than two seconds. The pictures are kept as [`Lab::shot`] keeps them.
+    pub(crate) fn race(&mut self, place: &Place, ways: &[RenderOptions]) -> Result<Vec<f64>, Error> {
+        let mut seconds: Vec<Vec<f64>> = Vec::new();
+        for options in ways {
+            seconds.push(vec![self.shot(place, options)?.seconds()]);
+        }
+        let runs = if self.quick { 1 } else { 3 };
+        for _ in 1..runs {
+            for (options, seconds) in ways.iter().zip(&mut seconds) {
+                if seconds[0] < LONG {
+                    seconds.push(self.take(place, options)?.seconds());
+                }
+            }
+        }
+        Ok(seconds.into_iter().map(median).collect())
+    }
+}
+
+impl Lab<'_> {
+    /// The shortest render time of some runs on so many threads, seconds.
+    pub(crate) fn fastest(&self, place: &Place, options: &RenderOptions, threads: usize) -> Result<f64, Error> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let stop = Stop(self.watcher);
+        let mut fastest = f64::INFINITY;
+        for _ in 0..if self.quick { 1 } else { 5 } {
+            self.watcher.picture(&format!("{threads} threads"));
+            let frame = pool.install(|| {
+                let mut mesh = LightMesh::new(&place.scene, options)?;
+                render(&place.scene, &place.camera, options, &mut mesh, &stop)
+            });
+            fastest = fastest.min(frame?.stats.seconds.render);
+        }
+        Ok(fastest)
+    }
+}
+
+/// Pictures that take longer are timed once, seconds.
+const LONG: f64 = 2.0;
+
+/// The middle one.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Direct light at pixel centres, from a mesh of so many points along the longest edge of the scene.
+pub(crate) fn direct(method: Method, size: (u32, u32), points: f32) -> RenderOptions {
+    let (width, height) = size;
+    RenderOptions {
+        method,
+        width,
+        height,
+        spp: 1,
+        bounces: 0,
+        spacing: Spacing::Fraction(points),
+        ..RenderOptions::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_picture_is_taken_once() {
+        let mut lab = Lab::new(true, &());
+        let place = lab.place(SceneName::Cornell).expect("scene");
+        let options = direct(Method::Standard, (8, 8), 10.0);
+        let first = lab.shot(&place, &options).expect("picture");
+        let second = lab.shot(&place, &options).expect("picture");
+        assert!(Rc::ptr_eq(&first, &second));
+        assert_eq!(first.error(&second), 0.0);
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+    }
+}

@@ -1,0 +1,69 @@
+//! Pictures for the page.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use glam::Vec3;
+use lightmesh::{Camera, Image};
+use lightmesh_io::output::{Metadata, auto_exposure, write_png};
+
+use crate::{Error, Figure, Panel};
+
+/// Bytes as a data URI.
+pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:{kind};base64,{}", STANDARD.encode(bytes))
+}
+
+/// Pictures beside each other, all exposed as the last one would be by itself.
+pub(crate) fn figure(caption: &str, pictures: &[(&str, &Image)]) -> Result<Figure, Error> {
+    let ev = pictures.last().map_or(0.0, |(_, image)| auto_exposure(&image.pixels));
+    let panels = pictures.iter().map(|(label, image)| panel(label, image, ev)).collect::<Result<_, _>>()?;
+    Ok(Figure { caption: caption.to_owned(), panels })
+}
+
+/// A picture at an exposure, in EV.
+fn panel(label: &str, image: &Image, ev: f32) -> Result<Panel, Error> {
+    let metadata = Metadata {
+        software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
+        method: String::new(),
+        scene: label.to_owned(),
+        settings: String::new(),
+        seconds: 0.0,
+        estimated_error: None,
+        spp: 1,
+        camera: Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0),
+    };
+    let mut png = Vec::new();
+    write_png(&mut png, image, ev, &metadata).map_err(|cause| Error::Io { path: label.into(), cause })?;
+    Ok(Panel { label: label.to_owned(), image: data_uri("image/png", &png) })
+}
+
+/// A part of a picture, each pixel `times` as large; what is outside is left out.
+pub(crate) fn enlarged(image: &Image, (left, top, width, height): (u32, u32, u32, u32), times: u32) -> Image {
+    let (left, top) = (left.min(image.width.saturating_sub(1)), top.min(image.height.saturating_sub(1)));
+    let (width, height) = (width.clamp(1, image.width - left), height.clamp(1, image.height - top));
+    let pixel = |i: u32| {
+        let (x, y) = (left + i % (width * times) / times, top + i / (width * times) / times);
+        image.pixels[(y * image.width + x) as usize]
+    };
+    let (width_out, height_out) = (width * times, height * times);
+    Image { width: width_out, height: height_out, pixels: (0..width_out * height_out).map(pixel).collect() }
+}
+
+/// Luminance (Rec. 709), cd/m².
+pub(crate) fn luminance(color: Vec3) -> f64 {
+    f64::from(color.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn enlarging_repeats_pixels() {
+        let pixels = (0..6).map(|i| Vec3::splat(i as f32)).collect();
+        let image = Image { width: 3, height: 2, pixels };
+        let part = enlarged(&image, (1, 1, 5, 5), 2);
+        assert_eq!((part.width, part.height), (4, 2));
+        assert_eq!(part.pixels.iter().map(|p| p.x).collect::<Vec<_>>(), [4.0, 4.0, 5.0, 5.0, 4.0, 4.0, 5.0, 5.0]);
+    }
+}
