@@ -1,0 +1,105 @@
+//! Whole runs into a folder.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use lightmesh_reproduce::{Error, NUMBERS, Options, PAGE, Report, SCHEMA, Verdict, Watcher, experiments, reproduce};
+
+/// Counts pictures, and stops at one of them.
+#[derive(Default)]
+struct Counter {
+    pictures: AtomicUsize,
+    stop_at: Option<usize>,
+}
+
+impl Watcher for Counter {
+    fn picture(&self, _: &str) {
+        self.pictures.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stop_at.is_some_and(|at| self.pictures.load(Ordering::Relaxed) >= at)
+    }
+}
+
+fn quick(only: &[&str]) -> Options {
+    Options { quick: true, only: only.iter().map(|&name| name.to_owned()).collect(), ..Options::default() }
+}
+
+fn numbers(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(folder.join(NUMBERS)).expect("numbers")).expect("JSON")
+}
+
+/// The quick run of everything: its numbers keep to the schema, every experiment is there, every claim is judged, and the page needs
+/// nothing from elsewhere.
+#[test]
+fn all_experiments_make_a_page() {
+    let folder = tempfile::tempdir().expect("folder");
+    let report = reproduce(folder.path(), &quick(&[]), &()).expect("report");
+    assert_eq!(report.sections.len(), experiments().count());
+
+    let schema = serde_json::from_str(SCHEMA).expect("the schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("the schema is one");
+    let numbers = numbers(folder.path());
+    let errors: Vec<String> = validator.iter_errors(&numbers).map(|e| format!("{}: {e}", e.instance_path())).collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    assert_eq!(serde_json::from_value::<Report>(numbers).expect("a report"), report.without_images());
+    for table in report.sections.iter().flat_map(|section| &section.tables) {
+        assert!(table.rows.iter().all(|row| row.len() == table.columns.len()), "{}", table.caption);
+    }
+
+    // What the light mesh is about, whatever the machine.
+    let claims = || report.sections.iter().flat_map(|section| &section.claims);
+    assert!(claims().count() >= 15 && claims().all(|claim| claim.ours.is_finite()));
+    for sure in [
+        "The method of [4] blurs outward only.",
+        "The light mesh blurs both ways.",
+        "Small objects cast almost no shadow.",
+    ] {
+        let claim = claims().find(|claim| claim.claim == sure).expect(sure);
+        assert_eq!(claim.verdict, Verdict::Holds, "{claim:?}");
+    }
+
+    let page = fs::read_to_string(folder.path().join(PAGE)).expect("page");
+    assert!(!page.contains("<script") && !page.contains("src=\"http") && !page.contains("href=\"http"));
+    assert_eq!(page.matches("<img").count(), page.matches("src=\"data:image/").count());
+}
+
+/// What is finished is kept: a run that is stopped goes on, and one that is repeated takes no picture.
+#[test]
+fn finished_experiments_are_kept() {
+    let folder = tempfile::tempdir().expect("folder");
+    let options = quick(&["soft-shadows", "colour"]);
+    let all = Counter::default();
+    reproduce(tempfile::tempdir().expect("folder").path(), &options, &all).expect("report");
+    let all = all.pictures.load(Ordering::Relaxed);
+    let stopped = Counter { stop_at: Some(all - 1), ..Counter::default() };
+    let error = reproduce(folder.path(), &options, &stopped).expect_err("stopped");
+    assert!(error.is_cancelled() && !folder.path().join(PAGE).exists(), "{error}");
+
+    let rest = Counter::default();
+    reproduce(folder.path(), &options, &rest).expect("report");
+    assert!(rest.pictures.load(Ordering::Relaxed) < all, "{all}");
+    let again = Counter::default();
+    let kept = reproduce(folder.path(), &options, &again).expect("report");
+    assert_eq!(again.pictures.load(Ordering::Relaxed), 0);
+    assert_eq!(kept.sections.len(), 2);
+    // Results of another size, and spoilt ones, are none.
+    fs::write(folder.path().join("experiments/colour.json"), "{").expect("file");
+    reproduce(folder.path(), &options, &again).expect("report");
+    assert!(again.pictures.load(Ordering::Relaxed) > 0);
+    let forced = Counter::default();
+    reproduce(folder.path(), &Options { force: true, ..options }, &forced).expect("report");
+    assert_eq!(forced.pictures.load(Ordering::Relaxed), all);
+}
+
+#[test]
+fn unknown_experiments_and_bad_folders_are_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let error = reproduce(folder.path(), &quick(&["alchemy"]), &()).expect_err("unknown");
+    assert!(error.to_string().contains("lights, resolutions"), "{error}");
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("file");
+    assert!(matches!(reproduce(&file, &quick(&[]), &()), Err(Error::Io { .. })));
+}
