@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::{Cell, Claim, Figure, Report, Section, Table};
+use crate::{Cell, Claim, Figure, Report, Section, Table, Verdict};
 
 const STYLE: &str = "
 :root { color-scheme: light; --ink: #1b1b1b; --faint: #666; --rule: #ddd; }
@@ -13,11 +13,13 @@ h1 { font-size: 1.6rem; line-height: 1.25; } h2 { margin-top: 3rem; border-top: 
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font: 14px/1.4 system-ui, sans-serif; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--faint); padding: .4rem 0; }
-th, td { padding: .25rem .7rem; border-bottom: 1px solid var(--rule); text-align: right; }
-th:first-child, td:first-child, td.words { text-align: left; } th { font-weight: 600; vertical-align: bottom; }
+th, td { padding: .25rem .7rem; vertical-align: top; border-bottom: 1px solid var(--rule); text-align: right; }
+th:first-child, td:first-child, td.words, th.words { text-align: left; } th { font-weight: 600; vertical-align: bottom; }
 figure { margin: 1.2rem 0; } figcaption { font-size: .85rem; color: var(--faint); }
-.panels { display: flex; flex-wrap: wrap; gap: .6rem; } .panels div { flex: 1 1 15rem; max-width: 100%; }
+.panels { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr)); gap: .6rem; } .panels.single { grid-template-columns: 1fr; }
 .panels img { width: 100%; height: auto; display: block; } .panels span { font: 13px system-ui, sans-serif; }
+ul.claims { padding-left: 1.1rem; font: 15px/1.45 system-ui, sans-serif; } .claims p { margin: .1rem 0 .7rem; color: var(--faint); font-size: .88em; }
+td.words { min-width: 9rem; }
 .verdict { font-size: .8rem; font-weight: 600; padding: .05rem .45rem; border-radius: .6rem; white-space: nowrap; }
 .holds { background: #d9f0df; } .differently { background: #fdeec8; } .fails { background: #f8d7d3; }
 @media print { body { max-width: none; } h2 { break-after: avoid; } figure, table { break-inside: avoid; } }
@@ -48,7 +50,7 @@ pub(crate) fn html(report: &Report) -> String {
                 }
                 @if claims().next().is_some() {
                     h2 { "The paper's claims" }
-                    (claims_table(claims()))
+                    (claims_list(claims()))
                 }
                 @for section in &report.sections { (section_html(section)) }
             }
@@ -64,7 +66,7 @@ fn section_html(section: &Section) -> Markup {
         @for paragraph in &section.text { p { (paragraph) } }
         @for table in &section.tables { (table_html(table)) }
         @for figure in &section.figures { (figure_html(figure)) }
-        @if !section.claims.is_empty() { (claims_table(section.claims.iter())) }
+        @if !section.claims.is_empty() { (claims_list(section.claims.iter())) }
     }
 }
 
@@ -87,6 +89,7 @@ fn table_html(table: &Table) -> Markup {
 fn cell_html(cell: &Cell) -> Markup {
     match cell {
         Cell::Nothing(()) => html! { td { "–" } },
+        Cell::Count(number) => html! { td { (grouped(&number.to_string())) } },
         Cell::Number(number) => html! { td { (rounded(*number)) } },
         Cell::Text(text) => html! { td.words { (text) } },
     }
@@ -95,7 +98,7 @@ fn cell_html(cell: &Cell) -> Markup {
 fn figure_html(figure: &Figure) -> Markup {
     html! {
         figure {
-            div.panels {
+            div.panels.single[figure.panels.len() == 1] {
                 @for panel in &figure.panels {
                     div {
                         img src=(panel.image) alt=(if panel.label.is_empty() { &figure.caption } else { &panel.label });
@@ -108,21 +111,16 @@ fn figure_html(figure: &Figure) -> Markup {
     }
 }
 
-fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>) -> Markup {
+fn claims_list<'a>(claims: impl Iterator<Item = &'a Claim>) -> Markup {
     html! {
-        div.wide {
-            table {
-                thead { tr { th { "Claim" } th { "Paper" } th { "Here" } th { "" } th { "How it is judged" } } }
-                tbody {
-                    @for claim in claims {
-                        @let class = match claim.verdict.words() { "holds" => "holds", "holds differently" => "differently", _ => "fails" };
-                        tr {
-                            td.words { (claim.claim) }
-                            td { @if let Some(paper) = claim.paper { (rounded(paper)) " " (claim.unit) } @else { "–" } }
-                            td { (rounded(claim.ours)) " " (claim.unit) }
-                            td { span class={ "verdict " (class) } { (claim.verdict.words()) } }
-                            td.words { (claim.note) }
-                        }
+        ul.claims {
+            @for claim in claims {
+                @let class = match claim.verdict { Verdict::Holds => "holds", Verdict::Differently => "differently", Verdict::Fails => "fails" };
+                li {
+                    (claim.claim) " " span class={ "verdict " (class) } { (claim.verdict.words()) }
+                    p {
+                        @if let Some(paper) = claim.paper { "paper " (with_unit(paper, &claim.unit)) ", " }
+                        "here " b { (with_unit(claim.ours, &claim.unit)) } ". " (claim.note)
                     }
                 }
             }
@@ -130,24 +128,35 @@ fn claims_table<'a>(claims: impl Iterator<Item = &'a Claim>) -> Markup {
     }
 }
 
-/// Three digits, with thousands set apart.
+/// A number and its unit, which stands close to it where it is a sign.
+fn with_unit(number: f64, unit: &str) -> String {
+    let space = if unit.starts_with(['×', '%']) || unit.is_empty() { "" } else { "\u{a0}" };
+    format!("{}{space}{unit}", rounded(number))
+}
+
+/// Three digits.
 fn rounded(number: f64) -> String {
     let digits = match number.abs() {
         0.0 => 0,
         x if x >= 100.0 => 0,
         x => (2 - x.log10().floor() as i32).clamp(0, 6) as usize,
     };
-    let plain = format!("{number:.digits$}");
+    let plain = format!("{:.digits$}", number.abs());
     let (whole, rest) = plain.split_once('.').map_or((plain.as_str(), None), |(whole, rest)| (whole, Some(rest)));
-    let (sign, whole) = whole.strip_prefix('-').map_or(("", whole), |whole| ("−", whole));
+    let sign = if number < 0.0 { "−" } else { "" };
+    sign.to_owned() + &grouped(whole) + &rest.map_or(String::new(), |rest| format!(".{rest}"))
+}
+
+/// Digits with thousands set apart.
+fn grouped(digits: &str) -> String {
     let mut grouped = String::new();
-    for (i, digit) in whole.chars().enumerate() {
-        if i > 0 && (whole.len() - i).is_multiple_of(3) {
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             grouped.push(',');
         }
         grouped.push(digit);
     }
-    sign.to_owned() + &grouped + &rest.map_or(String::new(), |rest| format!(".{rest}"))
+    grouped
 }
 
 #[cfg(test)]

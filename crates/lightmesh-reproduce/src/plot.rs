@@ -3,6 +3,8 @@
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
+pub(crate) use plotters::chart::SeriesLabelPosition;
+
 use crate::picture::data_uri;
 use crate::{Error, Figure, Panel};
 
@@ -12,6 +14,8 @@ pub(crate) struct Plot<'a> {
     /// Of the axes, with units.
     pub(crate) x: &'a str,
     pub(crate) y: &'a str,
+    /// Where there is room for the lines' names.
+    pub(crate) names: SeriesLabelPosition,
     /// Whether both axes are logarithmic.
     pub(crate) logarithmic: bool,
     pub(crate) lines: Vec<Line>,
@@ -23,17 +27,27 @@ pub(crate) struct Line {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// Dark on white, told apart in grey too, by their dashes.
-const COLORS: [RGBColor; 6] = [
+/// Dark on white.
+const COLORS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 90, 181),
     RGBColor(200, 40, 30),
     RGBColor(0, 130, 90),
     RGBColor(150, 90, 0),
     RGBColor(120, 60, 160),
+    RGBColor(110, 110, 110),
+    RGBColor(0, 150, 170),
 ];
 
 const SIZE: (u32, u32) = (760, 440);
+
+/// A number of an axis, three digits.
+fn tick(number: &f64) -> String {
+    let digits = (2 - number.abs().max(1e-6).log10().floor() as i32).clamp(0, 6) as usize;
+    let text = format!("{number:.digits$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
 
 impl Plot<'_> {
     /// As a figure of one panel.
@@ -57,14 +71,34 @@ impl Plot<'_> {
         let mut builder = ChartBuilder::on(area);
         builder.margin(12).x_label_area_size(44).y_label_area_size(64);
         if self.logarithmic {
-            let wide = |low: f64, high: f64| (low.max(1e-9) / 1.15..high.max(2e-9) * 1.15).log_scale();
+            // Less than a decade has its ticks at powers of two.
+            let wide = |low: f64, high: f64| {
+                let (low, high) = (low.max(1e-9) / 1.15, high.max(2e-9) * 1.15);
+                (low..high).log_scale().base(if high / low < 20.0 { 2.0 } else { 10.0 })
+            };
             let mut chart = builder.build_cartesian_2d(wide(left, right), wide(bottom, top))?;
-            chart.configure_mesh().x_desc(self.x).y_desc(self.y).axis_desc_style(FONT).label_style(FONT).draw()?;
+            chart
+                .configure_mesh()
+                .x_desc(self.x)
+                .y_desc(self.y)
+                .axis_desc_style(FONT)
+                .label_style(FONT)
+                .x_label_formatter(&tick)
+                .y_label_formatter(&tick)
+                .draw()?;
             self.draw_lines(&mut chart)
         } else {
             let room = 0.05 * (top - bottom).max(1e-9);
             let mut chart = builder.build_cartesian_2d(left..right, bottom - room..top + room)?;
-            chart.configure_mesh().x_desc(self.x).y_desc(self.y).axis_desc_style(FONT).label_style(FONT).draw()?;
+            chart
+                .configure_mesh()
+                .x_desc(self.x)
+                .y_desc(self.y)
+                .axis_desc_style(FONT)
+                .label_style(FONT)
+                .x_label_formatter(&tick)
+                .y_label_formatter(&tick)
+                .draw()?;
             self.draw_lines(&mut chart)
         }
     }
@@ -88,6 +122,7 @@ impl Plot<'_> {
             }
         }
         let mut labels = chart.configure_series_labels();
+        labels.position(self.names.clone());
         labels.background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3)).label_font(FONT).draw()?;
         Ok(())
     }
@@ -100,10 +135,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn ticks_are_short() {
+        assert_eq!(
+            [0.0, 0.1 + 0.2, 1.000_000_000_4, 20.0, 1500.0, -0.25].map(|x| tick(&x)),
+            ["0", "0.3", "1", "20", "1500", "-0.25"]
+        );
+    }
+
+    #[test]
     fn a_plot_has_its_lines_and_units() {
         for logarithmic in [false, true] {
             let line = Line { name: "mesh".into(), points: vec![(5.0, 1.0), (10.0, 2.0), (100.0, f64::NAN)] };
-            let plot = Plot { caption: "times", x: "lights", y: "seconds", logarithmic, lines: vec![line] };
+            let plot = Plot {
+                caption: "times",
+                x: "lights",
+                y: "seconds",
+                names: SeriesLabelPosition::UpperLeft,
+                logarithmic,
+                lines: vec![line],
+            };
             let figure = plot.figure().expect("plot");
             assert!(figure.panels[0].image.starts_with("data:image/svg+xml;base64,"));
         }

@@ -53,7 +53,9 @@ pub struct Table {
 pub enum Cell {
     /// Nothing: it was not measured, or the paper does not say.
     Nothing(()),
-    /// A number.
+    /// How many.
+    Count(u64),
+    /// How much.
     Number(f64),
     /// Words.
     Text(String),
@@ -67,7 +69,7 @@ impl From<f64> for Cell {
 
 impl From<u64> for Cell {
     fn from(number: u64) -> Self {
-        Self::Number(number as f64)
+        Self::Count(number)
     }
 }
 

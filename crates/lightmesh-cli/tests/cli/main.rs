@@ -9,4 +9,5 @@ mod place;
 #[cfg(unix)]
 mod preview;
 mod render;
+mod reproduce;
 mod time_limit;

@@ -5,7 +5,7 @@ use lightmesh::Method;
 use super::lights::papers;
 use crate::Error;
 use crate::lab::{Lab, direct};
-use crate::plot::{Line, Plot};
+use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
 
@@ -60,6 +60,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         caption: "Error by density.",
         x: "points along the longest edge",
         y: "error, %",
+        names: SeriesLabelPosition::UpperRight,
         logarithmic: true,
         lines: vec![Line { name: "paper".into(), points: paper }, Line { name: "mesh".into(), points: mesh }],
     };

@@ -3,7 +3,7 @@
 use lightmesh::{Interpolation, Method, RenderOptions};
 
 use crate::lab::{Lab, direct};
-use crate::plot::{Line, Plot};
+use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
 use crate::{Error, picture};
@@ -71,6 +71,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         caption: "Render time by the number of lights.",
         x: "point lights of the same intensity together",
         y: "seconds",
+        names: SeriesLabelPosition::UpperLeft,
         logarithmic: true,
         lines: lines.map(|(name, points)| Line { name: name.to_owned(), points }).into(),
     };

@@ -5,7 +5,7 @@ use lightmesh::Method;
 use super::lights::papers;
 use crate::Error;
 use crate::lab::{Lab, direct};
-use crate::plot::{Line, Plot};
+use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
 
@@ -50,6 +50,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         caption: "How many times as fast as standard tracing.",
         x: "pixels of a side",
         y: "times as fast",
+        names: SeriesLabelPosition::UpperLeft,
         logarithmic: true,
         lines: vec![
             Line { name: "paper".into(), points: paper },

@@ -7,7 +7,7 @@ use super::lights::papers;
 use crate::lab::{Lab, Place, direct};
 use crate::penumbra;
 use crate::picture::{figure, luminance};
-use crate::plot::{Line, Plot};
+use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::{SceneName, light_of};
 use crate::{Error, scenes};
@@ -92,6 +92,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         caption: "Across an edge of the shadow on the floor.",
         x: "metres across the edge; shadow on the right",
         y: "part of the light that arrives",
+        names: SeriesLabelPosition::UpperRight,
         logarithmic: false,
         lines: lines.iter().map(|(name, points)| Line { name: name.clone(), points: points.clone() }).collect(),
     };
