@@ -1,10 +1,10 @@
 //! The settings of a render as a picture file keeps them.
 
-use lightmesh::{Aov, EmitterOptions, Falloff, Interpolation, PaperScale, RenderOptions, Spacing};
+use lightmesh::{Aov, EmitterOptions, Falloff, PaperScale, RenderOptions, Spacing};
 use lightmesh_io::Units;
 use serde_json::json;
 
-use crate::args::{EmitterArgs, EnvironmentArg, method_name};
+use crate::args::{EmitterArgs, EnvironmentArg, method_name, spell_interpolation};
 
 /// A JSON object with every option, spelled as the command line spells it.
 pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
@@ -47,12 +47,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "error": error.map(|error| error.to_string()),
         "refine": refine,
         "rays": rays,
-        "interpolation": match interpolation {
-            Interpolation::Auto => "auto".to_owned(),
-            Interpolation::Trilinear => "trilinear".to_owned(),
-            Interpolation::Sphere { radius } => format!("sphere:{radius}"),
-            Interpolation::Nearest => "nearest".to_owned(),
-        },
+        "interpolation": spell_interpolation(*interpolation),
         "field-falloff": spell_falloff(*field_falloff),
         "falloff": spell_falloff(*falloff),
         "paper-scale": match paper_scale {
@@ -102,6 +97,7 @@ fn spell_falloff(falloff: Falloff) -> String {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use lightmesh::Interpolation;
 
     use super::*;
     use crate::args::{Cli, Command};

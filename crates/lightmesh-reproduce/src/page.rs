@@ -46,7 +46,10 @@ pub(crate) fn html(report: &Report) -> String {
                      error is the root mean square difference from exact shadow rays over the picture's mean."
                 }
                 nav {
-                    @for section in &report.sections { a href={ "#" (section.id) } { (section.title) } " · " }
+                    @for (i, section) in report.sections.iter().enumerate() {
+                        @if i > 0 { " · " }
+                        a href={ "#" (section.id) } { (section.title) }
+                    }
                 }
                 @if claims().next().is_some() {
                     h2 { "The paper's claims" }

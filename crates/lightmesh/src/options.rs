@@ -62,8 +62,13 @@ pub enum Interpolation {
     /// Trilinear for [`Method::Mesh`]; for [`Method::Paper`] a sphere of 1.5 spacings.
     #[default]
     Auto,
-    /// The eight corners of the cell, trilinear weights (figs. 10-11 of the paper).
+    /// The eight corners of the cell half a spacing off the surface, trilinear weights; corners that are behind the surface, inside
+    /// solids or hidden are left out, and the weights of the rest are normalised.
     Trilinear,
+    /// The eight corners of the cell that the surface point itself is in, trilinear weights, and a rule for those that are missing
+    /// (figs. 10-11 of the paper). What stands between a corner and the surface is not asked. It is for the direct light of
+    /// [`Method::Mesh`] without [`RenderOptions::error`] and of [`Method::Paper`]; indirect light is read as by [`Self::Trilinear`].
+    TrilinearWith(MissingCorners),
     /// Every mesh point within `radius` spacings, equal weights (figs. 7-9).
     Sphere {
         /// In spacings, > 0.
@@ -71,6 +76,21 @@ pub enum Interpolation {
     },
     /// The nearest mesh point (figs. 4-6).
     Nearest,
+}
+
+/// What a corner counts as that is behind the surface's plane or, except with [`Method::Paper`], inside a solid: figs. 10-11 of
+/// the paper. Ĩ is what the other corners say, s the part of the trilinear weight that they have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MissingCorners {
+    /// Visibility 0: s Ĩ. Edges are dark.
+    Zero,
+    /// Its weight goes to the corner nearest to the surface point, among those that are there.
+    Nearest,
+    /// Its weight goes to the corner at the other end of the cell's edge along the axis in which the normal is longest; where that
+    /// is missing, too, as with [`Self::Nearest`].
+    Mirror,
+    /// Visibility 1: s Ĩ + (1 − s). Edges are bright.
+    One,
 }
 
 impl Interpolation {
@@ -286,7 +306,7 @@ impl RenderOptions {
                 other => other == Interpolation::Trilinear,
             };
             if !trilinear {
-                return bad("interpolation", "must be trilinear where meshes are refined".into());
+                return bad("interpolation", "must be trilinear, without a rule, where meshes are refined".into());
             }
         }
         if self.bounces > 4096 {
@@ -300,10 +320,12 @@ impl RenderOptions {
                 format!("the sphere's radius must be above 0 and at most 16 spacings, not {radius}"),
             );
         }
-        if self.knows_lights() && matches!(self.interpolation, Interpolation::Sphere { .. }) {
+        let by_light = !matches!(self.interpolation, Interpolation::Sphere { .. } | Interpolation::TrilinearWith(_));
+        if self.knows_lights() && !by_light {
             return bad(
                 "interpolation",
-                "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear or nearest"
+                "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear, without a rule, or \
+                 nearest"
                     .into(),
             );
         }

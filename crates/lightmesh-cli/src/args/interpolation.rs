@@ -1,8 +1,16 @@
 //! `--interpolation`.
 
-use lightmesh::Interpolation;
+use lightmesh::{Interpolation, MissingCorners};
 
-/// Parses `auto`, `trilinear`, `sphere`, `sphere:R` or `nearest`.
+/// The rules that `trilinear:RULE` may name.
+const RULES: [(&str, MissingCorners); 4] = [
+    ("zero", MissingCorners::Zero),
+    ("nearest", MissingCorners::Nearest),
+    ("mirror", MissingCorners::Mirror),
+    ("one", MissingCorners::One),
+];
+
+/// Parses `auto`, `trilinear`, `trilinear:RULE`, `sphere`, `sphere:R` or `nearest`.
 pub(crate) fn parse(text: &str) -> Result<Interpolation, String> {
     match text {
         "auto" => return Ok(Interpolation::Auto),
@@ -11,19 +19,52 @@ pub(crate) fn parse(text: &str) -> Result<Interpolation, String> {
         "sphere" => return Ok(Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS }),
         _ => {}
     }
+    if let Some(name) = text.strip_prefix("trilinear:") {
+        let rule = RULES.iter().find(|(rule, _)| *rule == name);
+        return rule
+            .map(|&(_, rule)| Interpolation::TrilinearWith(rule))
+            .ok_or_else(|| "expected trilinear:zero, trilinear:nearest, trilinear:mirror or trilinear:one".to_owned());
+    }
     let radius = text.strip_prefix("sphere:").and_then(|r| r.parse().ok());
     match radius.filter(|r: &f32| *r > 0.0 && *r <= 16.0) {
         Some(radius) => Ok(Interpolation::Sphere { radius }),
         None => {
-            Err("expected auto, trilinear, nearest, sphere or sphere:R with R above 0 and at most 16 spacings"
+            Err("expected auto, trilinear, trilinear:RULE, nearest, sphere or sphere:R with R above 0 and at most 16 \
+                 spacings"
                 .to_owned())
         }
+    }
+}
+
+/// What [`parse`] makes it from.
+pub(crate) fn spell(interpolation: Interpolation) -> String {
+    match interpolation {
+        Interpolation::Auto => "auto".to_owned(),
+        Interpolation::Trilinear => "trilinear".to_owned(),
+        Interpolation::TrilinearWith(rule) => {
+            let name = RULES.iter().find(|(_, of)| *of == rule).map_or("", |(name, _)| name);
+            format!("trilinear:{name}")
+        }
+        Interpolation::Sphere { radius } => format!("sphere:{radius}"),
+        Interpolation::Nearest => "nearest".to_owned(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rules_are_read_as_they_are_spelled() {
+        for (name, rule) in RULES {
+            let text = format!("trilinear:{name}");
+            assert_eq!(parse(&text), Ok(Interpolation::TrilinearWith(rule)));
+            assert_eq!(spell(Interpolation::TrilinearWith(rule)), text);
+        }
+        for bad in ["trilinear:", "trilinear:two", "trilinear:Zero", "trilinear:1", "nearest:zero"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn auto_or_one_of_the_three_neighbourhoods() {

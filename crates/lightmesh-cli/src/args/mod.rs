@@ -19,8 +19,9 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub(crate) use self::{
-    emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure, method::name as method_name,
-    render::RenderArgs, reproduce::ReproduceArgs,
+    emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure,
+    interpolation::spell as spell_interpolation, method::name as method_name, render::RenderArgs,
+    reproduce::ReproduceArgs,
 };
 
 /// Renders scenes lit by many lights, with light meshes.

@@ -112,7 +112,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     rays: u32,
     /// Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: 1.5);
-    /// auto: trilinear, with --method paper sphere
+    /// auto: trilinear, with --method paper sphere. trilinear:RULE is the paper's: corners behind the surface count as
+    /// zero or one (no or all light), or as the nearest or the mirror corner does; with --method mesh and paper
     #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
     interpolation: Interpolation,
     /// Attenuation inside the direct field of --method paper (phi 1)

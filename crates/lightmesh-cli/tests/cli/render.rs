@@ -91,6 +91,8 @@ fn usage_errors_are_one_line_and_exit_2() {
         ("--spacing 1/0", "--spacing"),
         ("--spp 0", "--spp"),
         ("--interpolation cubic", "cubic"),
+        ("--interpolation trilinear:two", "trilinear:mirror"),
+        ("--interpolation trilinear:zero --method hybrid", "interpolation"),
         ("--falloff r3", "r3"),
         ("--cutoff 1", "--cutoff"),
         ("--max-memory lots", "lots"),

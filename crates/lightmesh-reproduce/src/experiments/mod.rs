@@ -4,6 +4,7 @@ mod colour;
 mod density;
 mod future;
 mod lights;
+mod missing_corners;
 mod neighbourhoods;
 mod resolutions;
 mod soft_shadows;
@@ -23,7 +24,7 @@ pub(crate) struct Experiment {
 }
 
 /// All of them.
-pub(crate) const EXPERIMENTS: [Experiment; 8] = [
+pub(crate) const EXPERIMENTS: [Experiment; 9] = [
     Experiment {
         id: "lights",
         title: "Standard and modified tracing, by the number of lights",
@@ -53,6 +54,12 @@ pub(crate) const EXPERIMENTS: [Experiment; 8] = [
         title: "Neighbourhoods",
         paper: "Figures 4-9: the nearest point at three densities, spheres of two radii.",
         run: neighbourhoods::run,
+    },
+    Experiment {
+        id: "missing-corners",
+        title: "Effects of missing corners",
+        paper: "Figures 10-11: trilinear reading, and what counts where a corner of the cell cannot be used.",
+        run: missing_corners::run,
     },
     Experiment {
         id: "colour",

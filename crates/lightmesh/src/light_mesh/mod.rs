@@ -21,6 +21,7 @@ mod light_bits;
 mod light_regions;
 mod light_runs;
 mod marks;
+mod missing;
 mod neighbourhood;
 mod points;
 mod probe;
@@ -95,7 +96,7 @@ impl LightMesh {
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
-            indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood, options)),
+            indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
         })
     }
 
@@ -105,7 +106,10 @@ impl LightMesh {
         self.spacings == [options.spacing, options.indirect_spacing]
             && self.direct.points().level_count() == options.refinements() + 1
             && self.direct.serves(options, neighbourhood)
-            && self.indirect.as_ref().map_or(options.bounces == 0, |field| field.serves(options, neighbourhood))
+            && self
+                .indirect
+                .as_ref()
+                .map_or(options.bounces == 0, |field| field.serves(options, neighbourhood.of_indirect_light()))
     }
 
     /// Points of the direct mesh evaluated so far, and their memory.

@@ -26,7 +26,7 @@ pub(super) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 
 /// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
 /// planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰ cells lie along it.
-const ON_SURFACE: f32 = 1.0 / 1024.0;
+pub(super) const ON_SURFACE: f32 = 1.0 / 1024.0;
 
 /// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a surface.
 pub(super) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {

@@ -11,6 +11,7 @@ use super::bricks::Slot;
 use super::clearance::{self, Clearance, Links, blocked, enclosed, links, piece, room};
 use super::level::Level;
 use super::marks::Marks;
+use super::missing::read_with;
 use super::neighbourhood::{
     ByCorner, Neighbourhood, ONES, Stencil, bits, corner, heights_above, nearest, sphere, trilinear,
 };
@@ -120,6 +121,10 @@ impl<'a> Reader<'a> {
         if points.neighbourhood == Neighbourhood::Trilinear {
             return self.read_cell(vertex, marks, take);
         }
+        if let Neighbourhood::TrilinearWith(rule) = points.neighbourhood {
+            let mark = |coordinate| points.mark(Address { level: self.at, coordinate }, marks);
+            return read_with(self.level, rule, vertex, mark, take);
+        }
         let (mut any, mut empty) = (false, false);
         let visit = |coordinate: Coordinate| {
             let slot = self.level.slot(coordinate);
@@ -138,7 +143,7 @@ impl<'a> Reader<'a> {
         };
         match points.neighbourhood {
             Neighbourhood::Sphere { radius } => sphere(&self.level.lattice, vertex, radius, visit),
-            Neighbourhood::Nearest | Neighbourhood::Trilinear => nearest(&self.level.lattice, vertex, visit),
+            _ => nearest(&self.level.lattice, vertex, visit),
         }
         match (empty, any) {
             (true, _) => Outcome::Empty,

@@ -2,6 +2,7 @@
 
 use super::bricks::Slot;
 use super::marks::Marks;
+use super::missing::usable_share;
 use super::neighbourhood::{Neighbourhood, nearest, sphere, trilinear};
 use super::points::Points;
 use super::reader::Reader;
@@ -24,6 +25,7 @@ pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Ver
                 usable = stencil.sum(seen.mask) + seen.refined;
             }
         }
+        Neighbourhood::TrilinearWith(_) => return usable_share(points.level(0), vertex),
         Neighbourhood::Sphere { radius } => {
             let mut visit = visit;
             sphere(&points.level(0).lattice, vertex, radius, |coordinate| visit(points.level(0).slot(coordinate)));

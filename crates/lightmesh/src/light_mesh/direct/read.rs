@@ -3,12 +3,13 @@
 use glam::{Vec3, Vec4};
 
 use super::super::agreement::Agreement;
-use super::super::neighbourhood::bits as corners_of;
+use super::super::neighbourhood::{Neighbourhood, bits as corners_of};
 use super::super::reader::Reader;
 use super::super::region_lights::RegionLights;
 use super::super::seen::{Known, Outcome};
 use super::super::usable::usable_part;
 use super::{DirectField, Field, LightsReading, Marks};
+use crate::MissingCorners;
 use crate::integrator::Vertex;
 use crate::scene::LightSamples;
 
@@ -81,16 +82,21 @@ impl DirectReader<'_> {
 
     /// The same, point by point.
     fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
-        let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
+        let (mut visible, mut all, mut total) = (Vec4::ZERO, Vec4::ZERO, 0.0);
         let outcome = self.reader.read(vertex, marks, |index, weight| {
             let point = self.field.fold(index, vertex.n);
             visible += point.0 * weight;
             all += point.1 * weight;
+            total += weight;
         });
-        match outcome {
+        let reading = match outcome {
             Outcome::Read => ratio(visible.truncate(), all.truncate()),
             Outcome::Nothing => Reading::Nothing,
             Outcome::Empty => Reading::Empty,
+        };
+        match self.field.points.neighbourhood {
+            Neighbourhood::TrilinearWith(rule) => with_missing(rule, total, reading),
+            _ => reading,
         }
     }
 
@@ -118,6 +124,22 @@ impl DirectReader<'_> {
     /// Rays shot so far to find out which points vertices see.
     pub(crate) fn sight_rays(&self) -> u64 {
         self.reader.sight_rays()
+    }
+}
+
+/// What a rule makes of a reading of corners whose weights have the sum `share`: missing ones count as visibility 0 or 1, or their
+/// weight is among the others' already.
+fn with_missing(rule: MissingCorners, share: f32, reading: Reading) -> Reading {
+    let missing = match rule {
+        MissingCorners::Zero => Vec3::ZERO,
+        MissingCorners::One => Vec3::ONE,
+        MissingCorners::Nearest | MissingCorners::Mirror => return reading,
+    };
+    match reading {
+        Reading::Visibility(seen) => Reading::Visibility(missing.lerp(seen, share)),
+        Reading::Nothing if share == 0.0 => Reading::Visibility(missing),
+        // Corners are there, but no light reaches them; or points are to be filled first.
+        Reading::Nothing | Reading::Empty => reading,
     }
 }
 

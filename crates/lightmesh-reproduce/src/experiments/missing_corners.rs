@@ -1,0 +1,64 @@
+//! Figures 10-11: the rules for missing corners.
+
+use lightmesh::{Interpolation, Method, MissingCorners, RenderOptions};
+
+use crate::Error;
+use crate::lab::{Lab, direct};
+use crate::picture::{enlarged, figure, luminance};
+use crate::report::{Claim, Section, Table, Verdict};
+use crate::scenes::SceneName;
+
+/// The part of the picture that is enlarged, in parts of its size: left, top, width, height. Boxes on the floor before a wall.
+const PART: (f32, f32, f32, f32) = (0.72, 0.5, 0.28, 0.42);
+
+pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
+    let place = lab.place(SceneName::Room(15))?;
+    let size = if lab.quick { (240, 160) } else { (720, 480) };
+    let with = |interpolation| RenderOptions { interpolation, ..direct(Method::Paper, size, 40.0) };
+    let rule = |rule| with(Interpolation::TrilinearWith(rule));
+    let ways = [
+        ("zero", rule(MissingCorners::Zero)),
+        ("one", rule(MissingCorners::One)),
+        ("nearest", rule(MissingCorners::Nearest)),
+        ("mirror", rule(MissingCorners::Mirror)),
+        ("left out, half a cell off the surface (trilinear)", with(Interpolation::Trilinear)),
+    ];
+    let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
+    let mean = |image: &lightmesh::Image| image.pixels.iter().map(|&p| luminance(p)).sum::<f64>();
+    let (mut rows, mut shots, mut biases, mut errors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (name, options) in &ways {
+        let shot = lab.shot(&place, options)?;
+        biases.push(100.0 * (mean(&shot.image) / mean(&standard.image) - 1.0));
+        errors.push(100.0 * shot.error(&standard));
+        let (error, bias) = (errors[errors.len() - 1], biases[biases.len() - 1]);
+        rows.push(vec![(*name).into(), error.into(), bias.into()]);
+        shots.push(shot);
+    }
+    let caption = format!(
+        "The paper's scalar field under 15 lights, 1/40, {} × {}, direct light: --interpolation trilinear:RULE.",
+        size.0, size.1
+    );
+    let columns = ["a missing corner counts as", "error, %", "bias, %"].map(str::to_owned).to_vec();
+    let table = Table { caption, columns, rows };
+    let part = {
+        let of = |part: f32, all: u32| (part * all as f32) as u32;
+        (of(PART.0, size.0), of(PART.1, size.1), of(PART.2, size.0), of(PART.3, size.1))
+    };
+    let times = if lab.quick { 4 } else { 2 };
+    let parts: Vec<_> = shots.iter().chain([&standard]).map(|shot| enlarged(&shot.image, part, times)).collect();
+    let names = ways.iter().map(|(name, _)| *name).chain(["standard"]);
+    let shown = figure("Boxes on the floor, enlarged.", &names.zip(&parts).collect::<Vec<_>>())?;
+    let claims = vec![Claim {
+        claim: "Where missing corners count as zero edges are dark, where they count as one they are bright.".into(),
+        paper: None,
+        ours: biases[1] - biases[0],
+        unit: "% of the light".into(),
+        verdict: Verdict::of(biases[0] < biases[2] && biases[2] < biases[1], biases[0] < biases[1]),
+        note: format!(
+            "Mean light with one less that with zero; holds if that of the nearest corner's value ({:+.1}% off exact light) lies between \
+             them ({:+.1} and {:+.1}%).",
+            biases[2], biases[0], biases[1]
+        ),
+    }];
+    Ok(Section { tables: vec![table], figures: vec![shown], claims, ..Section::default() })
+}
