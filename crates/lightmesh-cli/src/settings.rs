@@ -4,7 +4,7 @@ use lightmesh::{Aov, EmitterOptions, Falloff, PaperScale, RenderOptions, Spacing
 use lightmesh_io::Units;
 use serde_json::json;
 
-use crate::args::{EmitterArgs, EnvironmentArg, method_name, spell_interpolation};
+use crate::args::{EmitterArgs, EnvironmentArg, method_name, spell_interpolation, weight_name};
 
 /// A JSON object with every option, spelled as the command line spells it.
 pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
@@ -24,6 +24,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         refine,
         rays,
         interpolation,
+        weight,
         field_falloff,
         falloff,
         paper_scale,
@@ -48,6 +49,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "refine": refine,
         "rays": rays,
         "interpolation": spell_interpolation(*interpolation),
+        "weight": weight_name(*weight),
         "field-falloff": spell_falloff(*field_falloff),
         "falloff": spell_falloff(*falloff),
         "paper-scale": match paper_scale {
@@ -97,7 +99,7 @@ fn spell_falloff(falloff: Falloff) -> String {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use lightmesh::Interpolation;
+    use lightmesh::{Interpolation, PointWeight};
 
     use super::*;
     use crate::args::{Cli, Command};
@@ -108,6 +110,7 @@ mod tests {
             spacing: Spacing::Fraction(80.0),
             falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
             interpolation: Interpolation::Sphere { radius: 2.5 },
+            weight: PointWeight::Cosine,
             aovs: [Aov::Depth, Aov::Albedo].into_iter().collect(),
             ..RenderOptions::default()
         };
@@ -119,6 +122,7 @@ mod tests {
             r#""spacing":"1/80""#,
             r#""falloff":"0.1+r""#,
             r#""interpolation":"sphere:2.5""#,
+            r#""weight":"cosine""#,
             r#""size":"1280x720""#,
             r#""camera":"hall""#,
             r#""aov":"albedo,depth""#,

@@ -61,7 +61,7 @@ pub use aov::{Aov, Aovs, Layer};
 pub use error::Error;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use light_mesh::LightMesh;
-pub use options::{Falloff, Interpolation, Method, MissingCorners, PaperScale, RenderOptions, Spacing};
+pub use options::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};
 pub use render::{Frame, render};
 pub use scene::{

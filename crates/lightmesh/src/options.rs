@@ -69,7 +69,7 @@ pub enum Interpolation {
     /// (figs. 10-11 of the paper). What stands between a corner and the surface is not asked. It is for the direct light of
     /// [`Method::Mesh`] without [`RenderOptions::error`] and of [`Method::Paper`]; indirect light is read as by [`Self::Trilinear`].
     TrilinearWith(MissingCorners),
-    /// Every mesh point within `radius` spacings, equal weights (figs. 7-9).
+    /// Every mesh point within `radius` spacings, weighted as [`RenderOptions::weight`] says (figs. 7-9).
     Sphere {
         /// In spacings, > 0.
         radius: f32,
@@ -96,6 +96,21 @@ pub enum MissingCorners {
 impl Interpolation {
     /// Radius of the sphere where none is said, in spacings.
     pub const DEFAULT_RADIUS: f32 = 1.5;
+}
+
+/// Weights of the mesh points in a sphere: φ4 of formula (3g) for direct light and φ5 of (6) for indirect light. Means are over weights:
+/// Ĩ(y) = Σ φ(x_i, y) DirectLight(x_i) / Σ φ(x_i, y). The paper has 1; others are among its future work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PointWeight {
+    /// 1.
+    #[default]
+    Constant,
+    /// exp(−d² / (2 (R/2)²)), d the distance of the point from the surface point and R the sphere's radius: e⁻² at its edge.
+    Gaussian,
+    /// 1 / max(d, 0.1), d in spacings.
+    Inverse,
+    /// n·(x − y) / |x − y|, n the geometric normal: points straight above count, those along the surface hardly.
+    Cosine,
 }
 
 /// Attenuation with distance: φ1 and φ3 of the paper.
@@ -161,6 +176,8 @@ pub struct RenderOptions {
     pub rays: u32,
     /// How mesh points are combined.
     pub interpolation: Interpolation,
+    /// φ4 and φ5: how much each point of a sphere counts, where [`RenderOptions::interpolation`] is one.
+    pub weight: PointWeight,
     /// φ1: attenuation inside the direct field of [`Method::Paper`].
     pub field_falloff: Falloff,
     /// φ3: attenuation of the unshadowed sum, for every method.
@@ -197,6 +214,7 @@ impl Default for RenderOptions {
             refine: None,
             rays: 4,
             interpolation: Interpolation::default(),
+            weight: PointWeight::default(),
             field_falloff: Falloff::default(),
             falloff: Falloff::default(),
             paper_scale: PaperScale::default(),
@@ -319,6 +337,13 @@ impl RenderOptions {
                 "interpolation",
                 format!("the sphere's radius must be above 0 and at most 16 spacings, not {radius}"),
             );
+        }
+        let sphere = match self.interpolation {
+            Interpolation::Auto => self.method == Method::Paper,
+            other => matches!(other, Interpolation::Sphere { .. }),
+        };
+        if self.weight != PointWeight::Constant && !sphere {
+            return bad("weight", "is for points in a sphere: choose the interpolation sphere:R".into());
         }
         let by_light = !matches!(self.interpolation, Interpolation::Sphere { .. } | Interpolation::TrilinearWith(_));
         if self.knows_lights() && !by_light {

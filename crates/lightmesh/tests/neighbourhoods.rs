@@ -5,7 +5,10 @@ mod common;
 use common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
-use lightmesh::{Error, Image, Interpolation, LightMesh, Method, MissingCorners, RenderOptions, Scene, render};
+use lightmesh::{
+    Error, Image, Interpolation, LightMesh, Material, Method, MissingCorners, PointWeight, RenderOptions, Scene,
+    SceneData, render,
+};
 
 const RULES: [MissingCorners; 4] =
     [MissingCorners::Zero, MissingCorners::Nearest, MissingCorners::Mirror, MissingCorners::One];
@@ -112,4 +115,70 @@ fn rules_are_for_direct_light_by_the_mean_visibility() {
         refused(&RenderOptions { error: Some(0.05), ..with_rule(Method::Mesh, rule) }, "interpolation");
         refused(&RenderOptions { refine: Some(1), ..with_rule(Method::Mesh, rule) }, "interpolation");
     }
+}
+
+const WEIGHTS: [PointWeight; 4] =
+    [PointWeight::Constant, PointWeight::Gaussian, PointWeight::Inverse, PointWeight::Cosine];
+
+/// Other weights are other pictures, as near to the truth; a mesh keeps its weight.
+#[test]
+fn weights_change_the_picture_a_little() {
+    let scene = Scene::new(room()).expect("scene");
+    let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
+    let interpolation = Interpolation::Sphere { radius: 2.0 };
+    for method in [Method::Mesh, Method::Paper] {
+        let with = |weight| RenderOptions { interpolation, weight, ..options(method) };
+        let images = WEIGHTS.map(|weight| shoot(&scene, &room_camera(), &with(weight)).image);
+        for (i, image) in images.iter().enumerate() {
+            let d = difference(&image.pixels, &truth.pixels);
+            assert!(d.relrmse < 0.3 && d.bias.abs() < 0.1, "{method:?}, {:?}: {d:?}", WEIGHTS[i]);
+            assert!(images[..i].iter().all(|other| other != image), "{:?}", WEIGHTS[i]);
+        }
+        let mesh = LightMesh::new(&scene, &with(PointWeight::Cosine)).expect("mesh");
+        assert!(mesh.serves(&with(PointWeight::Cosine)) && !mesh.serves(&with(PointWeight::Gaussian)));
+    }
+}
+
+/// Points that are near count for more, so shadows are sharper: nearer to the truth than with equal weights.
+#[test]
+fn a_gaussian_is_sharper_than_equal_weights() {
+    let scene = Scene::new(room()).expect("scene");
+    let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
+    let interpolation = Interpolation::Sphere { radius: 3.0 };
+    let error = |weight| {
+        let options = RenderOptions { interpolation, weight, ..options(Method::Mesh) };
+        difference(&shoot(&scene, &room_camera(), &options).image.pixels, &truth.pixels).relrmse
+    };
+    let [constant, gaussian] = [PointWeight::Constant, PointWeight::Gaussian].map(error);
+    assert!(gaussian < 0.95 * constant, "{gaussian} {constant}");
+}
+
+/// In a furnace of emission 1 and albedo 1/2, emission, what it lights and two reflections of that make 1 + 1/2 + 1/4 + 1/8
+/// everywhere, whatever the weights: they are normalised.
+#[test]
+fn weights_are_normalised_for_indirect_light_too() {
+    let glow = Material { emission: Vec3::ONE, ..Material::lambert(Vec3::splat(0.5)) };
+    let mut data = SceneData { materials: vec![glow], ..SceneData::default() };
+    place(&mut data, inside_out(cuboid(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 3.0, 2.0), 0)));
+    let scene = Scene::new(data).expect("scene");
+    for weight in WEIGHTS {
+        let interpolation = Interpolation::Sphere { radius: 1.5 };
+        let options = RenderOptions { interpolation, weight, bounces: 2, gather_rays: 64, ..options(Method::Mesh) };
+        for p in shoot(&scene, &room_camera(), &options).image.pixels {
+            assert!((p / 1.875 - Vec3::ONE).abs().max_element() < 0.02, "{weight:?}: {p}");
+        }
+    }
+}
+
+#[test]
+fn weights_are_for_spheres() {
+    let gaussian = |method| RenderOptions { weight: PointWeight::Gaussian, ..options(method) };
+    refused(&gaussian(Method::Mesh), "weight");
+    refused(&gaussian(Method::Hybrid), "weight");
+    let rule = Interpolation::TrilinearWith(MissingCorners::Zero);
+    for interpolation in [Interpolation::Trilinear, Interpolation::Nearest, rule] {
+        refused(&RenderOptions { interpolation, ..gaussian(Method::Paper) }, "weight");
+    }
+    // The paper's own neighbourhood is a sphere.
+    assert!(gaussian(Method::Paper).validate().is_ok());
 }

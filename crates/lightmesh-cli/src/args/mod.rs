@@ -13,6 +13,7 @@ mod reproduce;
 mod size;
 mod spacing;
 mod time_limit;
+mod weight;
 
 use std::path::PathBuf;
 
@@ -21,7 +22,7 @@ use clap::{Args, Parser, Subcommand};
 pub(crate) use self::{
     emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure,
     interpolation::spell as spell_interpolation, method::name as method_name, render::RenderArgs,
-    reproduce::ReproduceArgs,
+    reproduce::ReproduceArgs, weight::name as weight_name,
 };
 
 /// Renders scenes lit by many lights, with light meshes.

@@ -14,6 +14,7 @@ use super::{
     method::{MethodArg, PaperScaleArg},
     size::{self, Size},
     spacing, time_limit,
+    weight::WeightArg,
 };
 
 const EXAMPLES: &str = "\
@@ -116,6 +117,9 @@ pub(crate) struct RenderArgs {
     /// zero or one (no or all light), or as the nearest or the mirror corner does; with --method mesh and paper
     #[arg(long, value_name = "WHICH", default_value = "auto", value_parser = interpolation::parse, help_heading = "Light mesh")]
     interpolation: Interpolation,
+    /// How much each point of the sphere counts (phi 4 and phi 5), with --interpolation sphere
+    #[arg(long, value_enum, default_value = "constant", help_heading = "Light mesh")]
+    weight: WeightArg,
     /// Attenuation inside the direct field of --method paper (phi 1)
     #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     field_falloff: Falloff,
@@ -180,6 +184,7 @@ impl RenderArgs {
             refine: self.refine,
             rays: self.rays,
             interpolation: self.interpolation,
+            weight: self.weight.into(),
             field_falloff: self.field_falloff,
             falloff: self.falloff,
             paper_scale: self.paper_scale.into(),

@@ -93,6 +93,8 @@ fn usage_errors_are_one_line_and_exit_2() {
         ("--interpolation cubic", "cubic"),
         ("--interpolation trilinear:two", "trilinear:mirror"),
         ("--interpolation trilinear:zero --method hybrid", "interpolation"),
+        ("--weight heavy", "heavy"),
+        ("--weight cosine", "sphere"),
         ("--falloff r3", "r3"),
         ("--cutoff 1", "--cutoff"),
         ("--max-memory lots", "lots"),

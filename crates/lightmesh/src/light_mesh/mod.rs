@@ -69,7 +69,7 @@ impl LightMesh {
     /// fit into `options.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
-        let neighbourhood = Neighbourhood::new(options.method, options.interpolation);
+        let neighbourhood = Neighbourhood::of(options);
         let indirect_auto = if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT };
         let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
@@ -102,7 +102,7 @@ impl LightMesh {
 
     /// Whether frames with these options can use this mesh.
     pub fn serves(&self, options: &RenderOptions) -> bool {
-        let neighbourhood = Neighbourhood::new(options.method, options.interpolation);
+        let neighbourhood = Neighbourhood::of(options);
         self.spacings == [options.spacing, options.indirect_spacing]
             && self.direct.points().level_count() == options.refinements() + 1
             && self.direct.serves(options, neighbourhood)

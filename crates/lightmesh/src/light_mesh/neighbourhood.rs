@@ -6,7 +6,7 @@ use super::Coordinate;
 use super::bricks::Slot;
 use super::lattice::Lattice;
 use crate::integrator::Vertex;
-use crate::{Interpolation, Method, MissingCorners};
+use crate::{Interpolation, Method, MissingCorners, PointWeight, RenderOptions};
 
 /// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
 /// reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length, error against exact
@@ -22,18 +22,21 @@ const MIN_WEIGHT: f32 = 1e-3;
 pub(super) enum Neighbourhood {
     Trilinear,
     TrilinearWith(MissingCorners),
-    Sphere { radius: f32 },
+    Sphere { radius: f32, weight: PointWeight },
     Nearest,
 }
 
 impl Neighbourhood {
-    pub(super) fn new(method: Method, interpolation: Interpolation) -> Self {
-        match interpolation {
-            Interpolation::Auto if method == Method::Paper => Self::Sphere { radius: Interpolation::DEFAULT_RADIUS },
+    pub(super) fn of(options: &RenderOptions) -> Self {
+        let weight = options.weight;
+        match options.interpolation {
+            Interpolation::Auto if options.method == Method::Paper => {
+                Self::Sphere { radius: Interpolation::DEFAULT_RADIUS, weight }
+            }
             Interpolation::Auto => Self::Trilinear,
             Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere { radius },
+            Interpolation::Sphere { radius } => Self::Sphere { radius, weight },
             Interpolation::Nearest => Self::Nearest,
         }
     }
@@ -47,7 +50,7 @@ impl Neighbourhood {
     pub(super) fn reach(self) -> u32 {
         match self {
             Self::Trilinear | Self::TrilinearWith(_) | Self::Nearest => 1,
-            Self::Sphere { radius } => radius.ceil() as u32,
+            Self::Sphere { radius, .. } => radius.ceil() as u32,
         }
     }
 }
@@ -142,8 +145,13 @@ pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
     cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)
 }
 
-/// Every point within `radius` spacings, φ4 = 1.
-pub(super) fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit: impl FnMut(Coordinate) -> Slot) {
+/// Every point within `radius` spacings, and its φ4.
+pub(super) fn sphere(
+    lattice: &Lattice,
+    vertex: &Vertex,
+    (radius, weight): (f32, PointWeight),
+    mut visit: impl FnMut(Coordinate, f32) -> Slot,
+) {
     let r = radius * lattice.spacing();
     let (low, high) = lattice.range(vertex.position - r, vertex.position + r);
     for z in low.z..=high.z {
@@ -152,10 +160,23 @@ pub(super) fn sphere(lattice: &Lattice, vertex: &Vertex, radius: f32, mut visit:
                 let coordinate = UVec3::new(x, y, z);
                 let d = lattice.point(coordinate) - vertex.position;
                 if d.length_squared() <= r * r && vertex.ng.dot(d) > 0.0 {
-                    visit(coordinate);
+                    visit(coordinate, phi(weight, d * lattice.inv_spacing(), radius, vertex.ng));
                 }
             }
         }
+    }
+}
+
+/// φ4 of a point that is `d` spacings from a surface point of normal `ng`, in a sphere of `radius` spacings.
+fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
+    match weight {
+        PointWeight::Constant => 1.0,
+        PointWeight::Gaussian => {
+            let deviation = 0.5 * radius;
+            libm::expf(-0.5 * d.length_squared() / (deviation * deviation))
+        }
+        PointWeight::Inverse => 1.0 / d.length().max(0.1),
+        PointWeight::Cosine => ng.dot(d).max(0.0) / d.length(),
     }
 }
 
@@ -175,5 +196,27 @@ pub(super) fn nearest(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(
         if distance == f32::INFINITY || visit(coordinate) != Slot::Invalid {
             return;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The formulas, at 2 spacings along a 3-4-5 triangle, R = 2: exp(−2), 1/2, 4/5.
+    #[test]
+    fn weights_follow_their_formulas() {
+        let d = Vec3::new(1.2, 1.6, 0.0);
+        for (weight, expected) in [
+            (PointWeight::Constant, 1.0),
+            (PointWeight::Gaussian, 0.135_335_28),
+            (PointWeight::Inverse, 0.5),
+            (PointWeight::Cosine, 0.8),
+        ] {
+            let got = phi(weight, d, 2.0, Vec3::Y);
+            assert!((got - expected).abs() < 1e-6, "{weight:?}: {got}");
+        }
+        assert!((phi(PointWeight::Inverse, 0.01 * d, 2.0, Vec3::Y) - 10.0).abs() < 1e-5);
+        assert_eq!(phi(PointWeight::Cosine, d, 2.0, Vec3::NEG_Y), 0.0);
     }
 }

@@ -126,14 +126,14 @@ impl<'a> Reader<'a> {
             return read_with(self.level, rule, vertex, mark, take);
         }
         let (mut any, mut empty) = (false, false);
-        let visit = |coordinate: Coordinate| {
+        let mut visit = |coordinate: Coordinate, weight: f32| {
             let slot = self.level.slot(coordinate);
             match slot {
-                Slot::Filled(index) => {
+                Slot::Filled(index) if weight > 0.0 => {
                     any = true;
-                    take(index, 1.0);
+                    take(index, weight);
                 }
-                Slot::Invalid => {}
+                Slot::Filled(_) | Slot::Invalid => {}
                 Slot::Empty => {
                     points.mark(Address { level: self.at, coordinate }, marks);
                     empty = true;
@@ -142,8 +142,8 @@ impl<'a> Reader<'a> {
             slot
         };
         match points.neighbourhood {
-            Neighbourhood::Sphere { radius } => sphere(&self.level.lattice, vertex, radius, visit),
-            _ => nearest(&self.level.lattice, vertex, visit),
+            Neighbourhood::Sphere { radius, weight } => sphere(&self.level.lattice, vertex, (radius, weight), visit),
+            _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
         }
         match (empty, any) {
             (true, _) => Outcome::Empty,

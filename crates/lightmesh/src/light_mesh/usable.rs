@@ -12,9 +12,9 @@ use crate::integrator::Vertex;
 /// from it. All of them have been evaluated.
 pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Vertex, marks: &Marks) -> f32 {
     let (mut usable, mut asked) = (0.0, 0.0);
-    let visit = |slot: Slot| {
-        asked += 1.0;
-        usable += f32::from(u8::from(matches!(slot, Slot::Filled(_))));
+    let mut visit = |slot: Slot, weight: f32| {
+        asked += weight;
+        usable += if matches!(slot, Slot::Filled(_)) { weight } else { 0.0 };
         slot
     };
     match points.neighbourhood {
@@ -26,13 +26,13 @@ pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Ver
             }
         }
         Neighbourhood::TrilinearWith(_) => return usable_share(points.level(0), vertex),
-        Neighbourhood::Sphere { radius } => {
-            let mut visit = visit;
-            sphere(&points.level(0).lattice, vertex, radius, |coordinate| visit(points.level(0).slot(coordinate)));
+        Neighbourhood::Sphere { radius, weight } => {
+            let level = points.level(0);
+            sphere(&level.lattice, vertex, (radius, weight), |coordinate, w| visit(level.slot(coordinate), w));
         }
         Neighbourhood::Nearest => {
-            let mut visit = visit;
-            nearest(&points.level(0).lattice, vertex, |coordinate| visit(points.level(0).slot(coordinate)));
+            let level = points.level(0);
+            nearest(&level.lattice, vertex, |coordinate| visit(level.slot(coordinate), 1.0));
         }
     }
     if asked > 0.0 { usable / asked } else { 0.0 }
