@@ -1,6 +1,6 @@
 //! Where pictures are taken: those that several experiments want are rendered once.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::rc::Rc;
 
 use lightmesh::metrics::difference;
@@ -19,7 +19,15 @@ pub(crate) struct Lab<'a> {
     watcher: &'a dyn Watcher,
     places: HashMap<String, Rc<Place>>,
     shots: HashMap<String, Rc<Shot>>,
+    /// The names of the shots, the oldest first.
+    order: VecDeque<String>,
+    /// Bytes that pictures may take, and that they do.
+    budget: usize,
+    bytes: usize,
 }
+
+/// Bytes of pictures that are kept for experiments to come; the oldest are forgotten first, and taken again where they are wanted.
+const BUDGET: usize = 256 << 20;
 
 /// A scene, ready for rays, and a camera.
 pub(crate) struct Place {
@@ -36,6 +44,10 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
+    fn bytes(&self) -> usize {
+        size_of_val(self.image.pixels.as_slice())
+    }
+
     /// Render time, seconds.
     pub(crate) fn seconds(&self) -> f64 {
         self.stats.seconds.render
@@ -58,7 +70,8 @@ impl Progress for Stop<'_> {
 
 impl<'a> Lab<'a> {
     pub(crate) fn new(quick: bool, watcher: &'a dyn Watcher) -> Self {
-        Self { quick, watcher, places: HashMap::new(), shots: HashMap::new() }
+        let (places, shots) = (HashMap::new(), HashMap::new());
+        Self { quick, watcher, places, shots, order: VecDeque::new(), budget: BUDGET, bytes: 0 }
     }
 
     /// A scene with its own camera.
@@ -96,7 +109,14 @@ impl<'a> Lab<'a> {
             return Ok(Rc::clone(shot));
         }
         let shot = Rc::new(self.take(place, options)?);
+        self.bytes += shot.bytes();
+        self.order.push_back(key.clone());
         self.shots.insert(key, Rc::clone(&shot));
+        while self.bytes > self.budget
+            && let Some(oldest) = self.order.pop_front()
+        {
+            self.bytes -= self.shots.remove(&oldest).map_or(0, |shot| shot.bytes());
+        }
         Ok(shot)
     }
 
@@ -183,5 +203,10 @@ mod tests {
         assert!(Rc::ptr_eq(&first, &second));
         assert_eq!(first.error(&second), 0.0);
         assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        // Room for one picture: the next one takes its place.
+        lab.budget = 8 * 8 * 12;
+        let other = lab.shot(&place, &RenderOptions { seed: 1, ..options.clone() }).expect("picture");
+        assert!(!Rc::ptr_eq(&first, &lab.shot(&place, &options).expect("picture")));
+        assert_eq!((lab.shots.len(), lab.bytes), (1, other.bytes()));
     }
 }
