@@ -22,6 +22,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         gather_rays,
         error,
         refine,
+        graded,
         rays,
         interpolation,
         weight,
@@ -47,6 +48,7 @@ pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units
         "gather-rays": gather_rays,
         "error": error.map(|error| error.to_string()),
         "refine": refine,
+        "graded": graded.map(|metres| metres.to_string()),
         "rays": rays,
         "interpolation": spell_interpolation(*interpolation),
         "weight": weight_name(*weight),
@@ -111,6 +113,7 @@ mod tests {
             falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
             interpolation: Interpolation::Sphere { radius: 2.5 },
             weight: PointWeight::Cosine,
+            graded: Some(2.5),
             aovs: [Aov::Depth, Aov::Albedo].into_iter().collect(),
             ..RenderOptions::default()
         };
@@ -123,6 +126,7 @@ mod tests {
             r#""falloff":"0.1+r""#,
             r#""interpolation":"sphere:2.5""#,
             r#""weight":"cosine""#,
+            r#""graded":"2.5""#,
             r#""size":"1280x720""#,
             r#""camera":"hall""#,
             r#""aov":"albedo,depth""#,

@@ -172,6 +172,12 @@ pub struct RenderOptions {
     /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all, or where
     /// there is a bound on the error twice.
     pub refine: Option<u32>,
+    /// Density that falls with the distance from the eye: mesh points nearer to the camera's position than so many metres, above 0, have
+    /// half the spacing, nearer than half of it a quarter, nearer than a quarter of it an eighth. The spacings that are asked for
+    /// are those of what is farther away. Where points would not fit into half of `max_memory`, fewer of these steps are taken. It is
+    /// for the methods with a mesh that are read trilinear, and what [`RenderOptions::refine`] does comes after it. `None`: one
+    /// spacing everywhere.
+    pub graded: Option<f32>,
     /// Shadow rays at each hit with [`Method::Unbiased`], and gather rays where there is indirect light; 1 to 65536.
     pub rays: u32,
     /// How mesh points are combined.
@@ -212,6 +218,7 @@ impl Default for RenderOptions {
             gather_rays: 256,
             error: None,
             refine: None,
+            graded: None,
             rays: 4,
             interpolation: Interpolation::default(),
             weight: PointWeight::default(),
@@ -227,9 +234,17 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Levels of the meshes beyond the first.
+    /// Levels beyond the first of meshes whose density falls with the distance: from near to far 8, 4, 2 and 1 points along an edge.
+    const GRADED_LEVELS: u32 = 3;
+
+    /// How often meshes may be refined where their light is not good enough.
     pub(crate) fn refinements(&self) -> u32 {
         self.refine.unwrap_or(if self.error.is_some() { 2 } else { 0 })
+    }
+
+    /// Levels of the meshes beyond the first.
+    pub(crate) fn finer_levels(&self) -> u32 {
+        self.refinements().max(if self.graded.is_some() { Self::GRADED_LEVELS } else { 0 })
     }
 
     /// Whether mesh points keep what they know of each light.
@@ -312,12 +327,18 @@ impl RenderOptions {
                 return bad("error", "is kept to by the method mesh alone".into());
             }
         }
-        if let Some(refine) = self.refine.filter(|&levels| levels > 0) {
-            if refine > 4 {
-                return bad("refine", format!("must be at most 4, not {refine}"));
-            }
+        if let Some(metres) = self.graded
+            && !(metres > 0.0 && metres.is_finite())
+        {
+            return bad("graded", format!("must be above 0 metres, not {metres}"));
+        }
+        if let Some(refine) = self.refine.filter(|&levels| levels > 4) {
+            return bad("refine", format!("must be at most 4, not {refine}"));
+        }
+        let refined = self.refine.is_some_and(|levels| levels > 0).then_some("refine");
+        if let Some(option) = refined.or(self.graded.map(|_| "graded")) {
             if !self.method.has_mesh() {
-                return bad("refine", "is for methods that have a mesh".into());
+                return bad(option, "is for methods that have a mesh".into());
             }
             let trilinear = match self.interpolation {
                 Interpolation::Auto => self.method != Method::Paper,

@@ -52,7 +52,9 @@ pub fn render(
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             if !mesh.serves(options) {
-                let what = "the mesh was made for another method, falloff, interpolation or light error".into();
+                let what = "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light \
+                            error"
+                    .into();
                 return Err(Error::InvalidOption { option: "mesh", what });
             }
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?

@@ -109,6 +109,10 @@ pub(crate) struct RenderArgs {
     /// How often the meshes may halve their spacing where their light is not good enough, 0 to 4 [default: 0, with --error 2]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(..=4), help_heading = "Light mesh")]
     refine: Option<u32>,
+    /// Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, nearer than half of it a
+    /// quarter, nearer than a quarter of it an eighth
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true, help_heading = "Light mesh")]
+    graded: Option<f32>,
     /// Shadow rays, and gather rays if there are bounces, at each hit with --method unbiased, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     rays: u32,
@@ -182,6 +186,7 @@ impl RenderArgs {
             gather_rays: self.gather_rays,
             error: self.error,
             refine: self.refine,
+            graded: self.graded,
             rays: self.rays,
             interpolation: self.interpolation,
             weight: self.weight.into(),

@@ -8,6 +8,7 @@ mod by_light;
 mod direct;
 mod first_hits;
 mod footprint;
+mod graded;
 mod lamps;
 mod lights_at;
 mod lit;

@@ -37,10 +37,10 @@ const DEFAULT_BOUND: f64 = 0.05;
 const SHARE: f64 = 0.35;
 
 /// The part of the memory limit at which refining ends.
-const MEMORY_SHARE: f64 = 0.5;
+pub(super) const MEMORY_SHARE: f64 = 0.5;
 
 /// Points that a cell asks for when it is refined, at most: 3³ of its own and those of the cells around it that blend.
-const POINTS_PER_CELL: u64 = 64;
+pub(super) const POINTS_PER_CELL: u64 = 64;
 
 /// Refines the meshes of the frame for the picture on the film.
 pub(super) fn refine(

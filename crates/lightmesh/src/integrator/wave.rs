@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::accuracy::choose_plan;
 use super::block::{BLOCK, Block, WaveRay};
+use super::graded::grade;
 use super::lit::{DirectLighting, LitVertices};
 use super::passes::{SumOrder, take_samples};
 use super::plan::{Indirect, Plan};
@@ -62,6 +63,7 @@ pub(crate) fn render_waves(
     if let Lighting::Mesh(mesh) = &mut frame.lighting {
         mesh.coarsen();
     }
+    grade(&mut frame, film, &mut stats);
     refine(&mut frame, film, watch, &mut stats)?;
     if let Some(bound) = options.error {
         stats.estimated_error = Some(choose_plan(&mut frame, film, bound, watch, &mut stats)?);

@@ -8,8 +8,12 @@
 //! where E' is what the next level says at y, by the same rule. Weights are continuous and go to 0 where a corner leaves the cell, so
 //! there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a cell whose
 //! corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point needs no value.
+//!
+//! Points are refined one by one, where a picture's light needs it, and in a ball about the eye, where its density is to be higher.
 
 use std::collections::HashMap;
+
+use glam::Vec3;
 
 use super::Coordinate;
 use super::bricks::{Bricks, Slot};
@@ -23,12 +27,22 @@ pub(super) struct Level {
     pub(super) bricks: Bricks,
     /// By brick, a bit per refined point.
     refined: HashMap<usize, [u64; 8]>,
+    /// All points in this ball are refined, too.
+    ball: Option<Ball>,
+}
+
+/// Where a mesh is dense because the eye is near.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    eye: Vec3,
+    /// Metres.
+    radius: f32,
 }
 
 impl Level {
     pub(super) fn new(lattice: Lattice) -> Self {
         let bricks = Bricks::new(lattice.bricks());
-        Self { lattice, bricks, refined: HashMap::new() }
+        Self { lattice, bricks, refined: HashMap::new(), ball: None }
     }
 
     #[inline(always)]
@@ -62,22 +76,33 @@ impl Level {
         }
     }
 
+    /// Refines all points nearer to `eye` than `radius`, metres.
+    pub(super) fn refine_near(&mut self, eye: Vec3, radius: f32) {
+        self.ball = Some(Ball { eye, radius });
+    }
+
     /// Refines nothing any more.
     pub(super) fn coarsen(&mut self) {
         self.refined.clear();
+        self.ball = None;
     }
 
     /// Which corners of a cell are refined, a bit each.
     #[inline(always)]
     pub(super) fn refined(&self, cell: Coordinate) -> u8 {
-        if self.refined.is_empty() {
+        if self.refined.is_empty() && self.ball.is_none() {
             return 0;
         }
         let is_refined = |k: usize| {
-            let (brick, local) = lattice::split(corner(cell, k));
-            self.refined
-                .get(&self.lattice.brick_index(brick))
-                .is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
+            let coordinate = corner(cell, k);
+            let (brick, local) = lattice::split(coordinate);
+            let is_near =
+                |ball: Ball| self.lattice.point(coordinate).distance_squared(ball.eye) < ball.radius * ball.radius;
+            self.ball.is_some_and(is_near)
+                || self
+                    .refined
+                    .get(&self.lattice.brick_index(brick))
+                    .is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
         };
         (0..8).map(|k| u8::from(is_refined(k)) << k).sum()
     }

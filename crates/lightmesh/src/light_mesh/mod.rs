@@ -45,11 +45,13 @@ pub(crate) use seen::Sight;
 pub(crate) use unbiased_gather::Paths;
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
-/// neighbourhood, light error, gather rays and seed, and serve up to the bounces they were made for; cameras, picture sizes and samples
-/// may change from frame to frame.
+/// neighbourhood, weights, number of levels, light error, gather rays and seed, and serve up to the bounces they were made for;
+/// cameras, picture sizes and samples may change from frame to frame.
 #[derive(Debug)]
 pub struct LightMesh {
     spacings: [Spacing; 2],
+    /// Levels beyond the first that were asked for, by the distance from the eye as well; of those there may be fewer.
+    finer_levels: u32,
     pub(crate) direct: DirectField,
     /// Where there are bounces, or emission that only gather rays find.
     pub(crate) indirect: Option<IndirectField>,
@@ -80,11 +82,16 @@ impl LightMesh {
                 Spacing::Fraction(k) => longest / k,
                 Spacing::Metres(h) => h,
             };
-            let level = |l: u32| {
+            let level = |l: u32, max_memory| {
                 let spacing = spacing / (1 << l) as f32;
-                Lattice::new(option, &bounds, spacing, neighbourhood.reach(), options.max_memory)
+                Lattice::new(option, &bounds, spacing, neighbourhood.reach(), max_memory)
             };
-            (0..=options.refinements()).map(level).collect::<Result<Vec<_>, _>>()
+            let mut levels =
+                (0..=options.refinements()).map(|l| level(l, options.max_memory)).collect::<Result<Vec<_>, _>>()?;
+            // Density about the eye does without levels whose tables alone would take too much.
+            let more = options.refinements() + 1..=options.finer_levels();
+            levels.extend(more.map_while(|l| level(l, options.max_memory / 8).ok()));
+            Ok::<_, Error>(levels)
         };
         let meshes = options.method.has_mesh();
         let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
@@ -95,6 +102,7 @@ impl LightMesh {
         let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
+            finer_levels: options.finer_levels(),
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
         })
@@ -104,7 +112,7 @@ impl LightMesh {
     pub fn serves(&self, options: &RenderOptions) -> bool {
         let neighbourhood = Neighbourhood::of(options);
         self.spacings == [options.spacing, options.indirect_spacing]
-            && self.direct.points().level_count() == options.refinements() + 1
+            && self.finer_levels == options.finer_levels()
             && self.direct.serves(options, neighbourhood)
             && self
                 .indirect

@@ -1,6 +1,8 @@
 //! The points of one mesh: where they are, which are known, and what each sees of its neighbours. Values are kept by the
 //! fields, under the same index.
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 
 use super::Coordinate;
@@ -126,6 +128,22 @@ impl Points {
     /// Lets the next level take over in a cell. There must be one.
     pub(crate) fn refine(&mut self, level: u32, cell: Coordinate) {
         self.levels[level as usize].refine(cell);
+    }
+
+    /// Lets each level take over from the one before in a ball about the eye: from the first nearer than `metres`, from each that
+    /// follows nearer than half as much. Ends where the cells that `seen` surface points have in the balls would be more than `most`.
+    pub(crate) fn grade(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
+        let (mut cells, mut radius) = (0, metres);
+        for level in 0..self.levels.len() - 1 {
+            let lattice = &self.levels[level].lattice;
+            let near = seen.iter().filter(|p| p.distance_squared(eye) < radius * radius);
+            cells += near.map(|&p| lattice.cell(p).0.to_array()).collect::<HashSet<_>>().len() as u64;
+            if cells > most {
+                return;
+            }
+            self.levels[level].refine_near(eye, radius);
+            radius *= 0.5;
+        }
     }
 
     /// Takes all refinement back; points that are filled stay so.

@@ -116,6 +116,11 @@ impl FilmRays {
         }
     }
 
+    /// Where a perspective camera's rays start; the position of any camera, metres.
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
     /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies `aside` of the ray,
     /// in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the axis, θ the angle to it.
     pub(crate) fn cone(&self, ray: &Ray, width: f32, aside: Vec2) -> Cone {
