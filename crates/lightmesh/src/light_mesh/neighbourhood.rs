@@ -6,7 +6,7 @@ use super::Coordinate;
 use super::bricks::Slot;
 use super::lattice::Lattice;
 use crate::integrator::Vertex;
-use crate::{Interpolation, Method, MissingCorners, PointWeight, RenderOptions};
+use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
 /// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
 /// reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length, error against exact
@@ -22,21 +22,34 @@ const MIN_WEIGHT: f32 = 1e-3;
 pub(super) enum Neighbourhood {
     Trilinear,
     TrilinearWith(MissingCorners),
-    Sphere { radius: f32, weight: PointWeight },
+    Sphere(Ball),
     Nearest,
+}
+
+/// A sphere of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ball {
+    /// In spacings.
+    pub radius: f32,
+    pub weight: PointWeight,
+    /// How far its middle is off the surface, along the normal, in spacings: 0 as the paper has it. Measured with the paper's scalar and
+    /// spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 1 13.8%.
+    pub lift: f32,
 }
 
 impl Neighbourhood {
     pub(super) fn of(options: &RenderOptions) -> Self {
         let weight = options.weight;
+        let mended = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
+        let lift = if mended { NORMAL_OFFSET } else { 0.0 };
         match options.interpolation {
             Interpolation::Auto if options.method == Method::Paper => {
-                Self::Sphere { radius: Interpolation::DEFAULT_RADIUS, weight }
+                Self::Sphere(Ball { radius: Interpolation::DEFAULT_RADIUS, weight, lift })
             }
             Interpolation::Auto => Self::Trilinear,
             Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere { radius, weight },
+            Interpolation::Sphere { radius } => Self::Sphere(Ball { radius, weight, lift }),
             Interpolation::Nearest => Self::Nearest,
         }
     }
@@ -50,7 +63,7 @@ impl Neighbourhood {
     pub(super) fn reach(self) -> u32 {
         match self {
             Self::Trilinear | Self::TrilinearWith(_) | Self::Nearest => 1,
-            Self::Sphere { radius, .. } => radius.ceil() as u32,
+            Self::Sphere(ball) => (ball.radius + ball.lift).ceil() as u32,
         }
     }
 }
@@ -145,21 +158,23 @@ pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
     cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)
 }
 
-/// Every point within `radius` spacings, and its φ4.
+/// Every point of the sphere that is before the vertex' plane, and its φ4.
 pub(super) fn sphere(
     lattice: &Lattice,
     vertex: &Vertex,
-    (radius, weight): (f32, PointWeight),
+    Ball { radius, weight, lift }: Ball,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
     let r = radius * lattice.spacing();
-    let (low, high) = lattice.range(vertex.position - r, vertex.position + r);
+    let middle = vertex.position + vertex.ng * (lift * lattice.spacing());
+    let (low, high) = lattice.range(middle - r, middle + r);
     for z in low.z..=high.z {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
                 let coordinate = UVec3::new(x, y, z);
-                let d = lattice.point(coordinate) - vertex.position;
-                if d.length_squared() <= r * r && vertex.ng.dot(d) > 0.0 {
+                let point = lattice.point(coordinate);
+                let d = point - vertex.position;
+                if point.distance_squared(middle) <= r * r && vertex.ng.dot(d) > 0.0 {
                     visit(coordinate, phi(weight, d * lattice.inv_spacing(), radius, vertex.ng));
                 }
             }

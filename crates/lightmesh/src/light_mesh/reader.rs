@@ -142,7 +142,7 @@ impl<'a> Reader<'a> {
             slot
         };
         match points.neighbourhood {
-            Neighbourhood::Sphere { radius, weight } => sphere(&self.level.lattice, vertex, (radius, weight), visit),
+            Neighbourhood::Sphere(ball) => sphere(&self.level.lattice, vertex, ball, visit),
             _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
         }
         match (empty, any) {

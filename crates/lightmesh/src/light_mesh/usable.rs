@@ -26,9 +26,9 @@ pub(super) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Ver
             }
         }
         Neighbourhood::TrilinearWith(_) => return usable_share(points.level(0), vertex),
-        Neighbourhood::Sphere { radius, weight } => {
+        Neighbourhood::Sphere(ball) => {
             let level = points.level(0);
-            sphere(&level.lattice, vertex, (radius, weight), |coordinate, w| visit(level.slot(coordinate), w));
+            sphere(&level.lattice, vertex, ball, |coordinate, w| visit(level.slot(coordinate), w));
         }
         Neighbourhood::Nearest => {
             let level = points.level(0);

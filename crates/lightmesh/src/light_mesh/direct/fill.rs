@@ -7,7 +7,7 @@ use super::super::evaluate::Evaluator;
 use super::super::points::Address;
 use super::super::probe::{PROBE_RAYS, probe};
 use super::{DirectField, Field, Marks};
-use crate::{Error, RayCounts, Scene};
+use crate::{Error, PaperScale, RayCounts, Scene};
 
 /// Points with runs that are evaluated before their memory is checked: some 10 KiB each while they wait.
 const POINTS_WITH_RUNS: usize = 1 << 13;
@@ -20,7 +20,7 @@ impl DirectField {
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
         let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
         let mut rays = RayCounts::default();
-        if !matches!(self.field, Field::Scalar { .. }) {
+        if !matches!(self.field, Field::Scalar { scale: PaperScale::Constant, .. }) {
             rays.secondary = PROBE_RAYS * wanted.len() as u64;
         }
         // How many runs points have is known when they have been evaluated.
@@ -46,8 +46,8 @@ impl DirectField {
                     .map(|&address| {
                         let x = grid.place(address);
                         let clearance = match field {
-                            // The paper's mesh knows no geometry: every point counts.
-                            Field::Scalar { .. } => Some(Clearance::ALL_FREE),
+                            // The paper's mesh knows no geometry: as printed, every point counts.
+                            Field::Scalar { scale: PaperScale::Constant, .. } => Some(Clearance::ALL_FREE),
                             _ => probe(scene, x, grid.level(address.level).lattice.spacing()),
                         };
                         let values = clearance.map(|_| {
