@@ -130,7 +130,7 @@ pub enum Falloff {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PaperScale {
     /// Divide sum (1) by the same sum without V_i, both over the neighbourhood: Ĩ is a mean visibility in [0, 1]. Points inside solids are
-    /// left out, and spheres stand half a cell off the surface: what is next to a point on a wall is mostly wall.
+    /// left out, and spheres stand 0.6 spacings off the surface: what is next to a point on a wall is mostly wall.
     #[default]
     Visibility,
     /// Formulas as printed, every point counting, in a sphere about the surface point itself, times one constant for the whole scene: one over the mean of Σ E_i / φ1, without V_i, over a
