@@ -121,6 +121,7 @@ fn counts_are_those_of_the_table() {
         ("room_10.glb", 5014, 10),
         ("room_15.glb", 5014, 15),
         ("room_100.glb", 5014, 100),
+        ("room_1000.glb", 5014, 1000),
         ("triangle.glb", 3, 1),
         ("cornell.glb", 34, 1),
     ];

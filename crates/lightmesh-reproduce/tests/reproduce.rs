@@ -39,11 +39,16 @@ fn all_experiments_make_a_page() {
     let report = reproduce(folder.path(), &quick(&[]), &()).expect("report");
     assert_eq!(report.sections.len(), experiments().count());
 
+    let (mut schemas, mut compiler) = (boon::Schemas::new(), boon::Compiler::new());
     let schema = serde_json::from_str(SCHEMA).expect("the schema is JSON");
-    let validator = jsonschema::validator_for(&schema).expect("the schema is one");
+    compiler.add_resource("report.schema.json", schema).expect("the schema has a place");
+    let schema = compiler.compile("report.schema.json", &mut schemas).expect("the schema is one");
     let numbers = numbers(folder.path());
-    let errors: Vec<String> = validator.iter_errors(&numbers).map(|e| format!("{}: {e}", e.instance_path())).collect();
-    assert!(errors.is_empty(), "{errors:#?}");
+    if let Err(error) = schemas.validate(&numbers, schema) {
+        panic!("{error:#}");
+    }
+    let wrong = serde_json::json!({"version": "0", "date": "today"});
+    assert!(schemas.validate(&wrong, schema).is_err());
     assert_eq!(serde_json::from_value::<Report>(numbers).expect("a report"), report.without_images());
     for table in report.sections.iter().flat_map(|section| &section.tables) {
         assert!(table.rows.iter().all(|row| row.len() == table.columns.len()), "{}", table.caption);
