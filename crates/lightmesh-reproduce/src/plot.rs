@@ -1,6 +1,7 @@
 //! Lines over labelled axes, as SVG that prints well.
 
 use plotters::coord::Shift;
+use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
 pub(crate) use plotters::chart::SeriesLabelPosition;
@@ -77,28 +78,10 @@ impl Plot<'_> {
                 (low..high).log_scale().base(if high / low < 20.0 { 2.0 } else { 10.0 })
             };
             let mut chart = builder.build_cartesian_2d(wide(left, right), wide(bottom, top))?;
-            chart
-                .configure_mesh()
-                .x_desc(self.x)
-                .y_desc(self.y)
-                .axis_desc_style(FONT)
-                .label_style(FONT)
-                .x_label_formatter(&tick)
-                .y_label_formatter(&tick)
-                .draw()?;
             self.draw_lines(&mut chart)
         } else {
             let room = 0.05 * (top - bottom).max(1e-9);
             let mut chart = builder.build_cartesian_2d(left..right, bottom - room..top + room)?;
-            chart
-                .configure_mesh()
-                .x_desc(self.x)
-                .y_desc(self.y)
-                .axis_desc_style(FONT)
-                .label_style(FONT)
-                .x_label_formatter(&tick)
-                .y_label_formatter(&tick)
-                .draw()?;
             self.draw_lines(&mut chart)
         }
     }
@@ -108,9 +91,18 @@ impl Plot<'_> {
         chart: &mut ChartContext<'b, SVGBackend<'b>, Cartesian2d<X, Y>>,
     ) -> Result<(), Box<dyn std::error::Error>>
     where
-        X: Ranged<ValueType = f64>,
-        Y: Ranged<ValueType = f64>,
+        X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
+        chart
+            .configure_mesh()
+            .x_desc(self.x)
+            .y_desc(self.y)
+            .axis_desc_style(FONT)
+            .label_style(FONT)
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
+            .draw()?;
         for (line, color) in self.lines.iter().zip(COLORS.iter().cycle()) {
             let style = color.stroke_width(2);
             chart
