@@ -76,6 +76,17 @@ pub struct MeshStats {
     pub bytes: u64,
 }
 
+impl std::ops::AddAssign for Seconds {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.demand += other.demand;
+        self.fill_direct += other.fill_direct;
+        self.fill_indirect += other.fill_indirect;
+        self.shade += other.shade;
+        self.render += other.render;
+    }
+}
+
 /// What a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
@@ -102,4 +113,16 @@ pub struct RenderStats {
     pub estimated_error: Option<f64>,
     /// What bounces after the last one would add, estimated, as a part of all light; `None` where nothing is known of it.
     pub left_out: Option<f64>,
+}
+
+impl RenderStats {
+    /// Adds what a part of the same frame took: seconds, rays and counts.
+    pub(crate) fn add(&mut self, part: &Self) {
+        self.seconds += part.seconds;
+        self.rays += part.rays;
+        self.exact_fallbacks += part.exact_fallbacks;
+        self.gather_fallbacks += part.gather_fallbacks;
+        self.fill_shadow_rays += part.fill_shadow_rays;
+        self.estimated_error = self.estimated_error.or(part.estimated_error);
+    }
 }

@@ -52,6 +52,7 @@ mod integrator;
 mod light_mesh;
 pub mod metrics;
 mod options;
+pub mod portions;
 mod progress;
 mod render;
 mod scene;

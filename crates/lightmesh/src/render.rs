@@ -43,20 +43,12 @@ pub fn render(
     }
     let started = Instant::now();
     let mut watch = Watch::new(progress, viewer, started, options.time_limit);
-    let mut film = Film::new(camera, options);
-    if !scene.averages_textures() {
-        film.drop_cones();
-    }
+    let mut film = new_film(scene, camera, options);
     let mut stats = match options.method {
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            if !mesh.serves(options) {
-                let what = "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light \
-                            error"
-                    .into();
-                return Err(Error::InvalidOption { option: "mesh", what });
-            }
+            check_mesh(mesh, options)?;
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
         }
     };
@@ -79,6 +71,26 @@ pub fn render(
         viewer.show(image.clone());
     }
     Ok(Frame { image, layers, stats })
+}
+
+/// An empty film.
+pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
+    let mut film = Film::new(camera, options);
+    if !scene.averages_textures() {
+        film.drop_cones();
+    }
+    film
+}
+
+/// Refuses a mesh that was made for other options.
+pub(crate) fn check_mesh(mesh: &LightMesh, options: &RenderOptions) -> Result<(), Error> {
+    if mesh.serves(options) {
+        return Ok(());
+    }
+    let what =
+        "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light error"
+            .into();
+    Err(Error::InvalidOption { option: "mesh", what })
 }
 
 /// The points of both meshes, and what they look like in a picture of them.

@@ -7,9 +7,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use lightmesh::{
-    Aov, Error, Frame, Image, LightMesh, Material, Method, Progress, RenderOptions, Scene, SceneData, Viewer, render,
-};
+use lightmesh::{Aov, Error, Frame, Image, LightMesh, Method, Progress, RenderOptions, Scene, Viewer, render};
 
 const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
 
@@ -27,15 +25,6 @@ impl Progress for Album {
     fn viewer(&self) -> Option<&dyn Viewer> {
         Some(self)
     }
-}
-
-/// The room with a lamp of its own in view, and a box that mirrors: outlines, and waves that follow waves.
-fn room_with_mirror() -> SceneData {
-    let mut data = room();
-    data.materials[1] = Material { metallic: 1.0, roughness: 0.0, ..Material::lambert(Vec3::splat(0.8)) };
-    data.materials.push(Material { emission: Vec3::splat(300.0), ..Material::lambert(Vec3::ZERO) });
-    place(&mut data, cuboid(Vec3::new(-1.4, 1.2, -1.4), Vec3::new(-0.9, 1.6, -1.1), 2));
-    data
 }
 
 fn watched(scene: &Scene, options: &RenderOptions) -> (Frame, Vec<Image>) {

@@ -61,6 +61,33 @@ impl Layers {
         }
     }
 
+    /// Values that a pixel has in all layers.
+    pub(crate) fn channels(&self) -> usize {
+        self.collected.iter().map(|aov| aov.channels().len()).sum::<usize>() + usize::from(!self.hit.is_empty())
+    }
+
+    /// Adds a pixel's values to a list, [`Layers::channels`] of them.
+    pub(crate) fn copy_to(&self, pixel: u32, values: &mut Vec<f32>) {
+        for aov in self.collected.iter() {
+            let channels = aov.channels().len();
+            values.extend_from_slice(&self.values[aov as usize][pixel as usize * channels..][..channels]);
+        }
+        values.extend(self.hit.get(pixel as usize));
+    }
+
+    /// Takes a pixel's values as [`Layers::copy_to`] gave them.
+    pub(crate) fn copy_from(&mut self, pixel: u32, mut values: &[f32]) {
+        for aov in self.collected.iter() {
+            let channels = aov.channels().len();
+            let (own, rest) = values.split_at(channels);
+            self.values[aov as usize][pixel as usize * channels..][..channels].copy_from_slice(own);
+            values = rest;
+        }
+        if let (Some(hit), Some(&value)) = (self.hit.get_mut(pixel as usize), values.first()) {
+            *hit = value;
+        }
+    }
+
     /// Begins some pixels anew.
     pub(crate) fn clear(&mut self, pixels: &[u32]) {
         self.change(pixels.iter().copied(), |_, value| *value = 0.0);

@@ -4,6 +4,7 @@ mod order;
 mod outlines;
 mod pass;
 mod picture;
+mod portion;
 mod sketch;
 
 use std::ops::Range;
@@ -13,7 +14,7 @@ use glam::{Vec2, Vec3};
 use self::{order::TileOrder, outlines::Outlines, pass::Pass, sketch::Sketch};
 use crate::aov::Layers;
 use crate::geometry::{Cone, Ray};
-use crate::integrator::{film_samples, hash};
+use crate::integrator::{WAVE, film_samples, hash};
 use crate::scene::FilmRays;
 use crate::{Aovs, Camera, RenderOptions};
 
@@ -64,7 +65,7 @@ impl Film {
             offsets: film_samples(options.spp),
             cells: cells_of_pixel(options.spp as usize),
             cones: true,
-            pass: Pass { pixels: None, indices: 0..options.spp, done: 0 },
+            pass: Pass { pixels: None, indices: 0..options.spp, done: 0, end: None },
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.aovs,
             layers: Layers::new(options.aovs, order.len()),
@@ -81,14 +82,14 @@ impl Film {
 
     /// Turns to some of the samples of every pixel; they follow those that it has.
     pub(crate) fn begin_pass(&mut self, indices: Range<u32>) {
-        self.pass = Pass { pixels: None, indices, done: 0 };
+        self.pass = Pass { pixels: None, indices, done: 0, end: None };
     }
 
     /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
     /// pass. Layers are not collected.
     pub(crate) fn begin_sketch(&mut self, stride: u32) {
         let pixels = Sketch::pixels(self.order, stride, self.sketch.as_ref());
-        self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0 };
+        self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
     }
 
@@ -108,7 +109,7 @@ impl Film {
             offsets: self.offsets.clone(),
             cells: self.cells,
             cones: self.cones,
-            pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0 },
+            pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0, end: None },
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
@@ -137,9 +138,14 @@ impl Film {
         (0..count).map(pixel).collect()
     }
 
-    /// Samples of the pass.
+    /// Samples of the pass, up to its end.
     pub(crate) fn sample_count(&self) -> u64 {
-        self.pass_pixels() * self.pass.samples_per_pixel()
+        self.pass.end.unwrap_or(self.pass_pixels() * self.pass.samples_per_pixel())
+    }
+
+    /// Samples that are taken together: all that the pass has of some pixels.
+    pub(crate) fn samples_per_wave(&self) -> u64 {
+        WAVE - WAVE % self.pass.samples_per_pixel().clamp(1, WAVE)
     }
 
     /// Pixels of the picture.

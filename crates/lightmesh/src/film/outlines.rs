@@ -56,7 +56,7 @@ impl Film {
         self.offsets = film_samples(samples);
         self.cells = cells_of_pixel(samples as usize);
         self.outlines = Some(Outlines { spp: spp as u32, before });
-        self.pass = Pass { pixels: Some(outlines), indices: 0..samples, done: 0 };
+        self.pass = Pass { pixels: Some(outlines), indices: 0..samples, done: 0, end: None };
         self.seen = Vec::new();
         true
     }

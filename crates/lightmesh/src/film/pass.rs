@@ -11,6 +11,8 @@ pub(super) struct Pass {
     pub(super) indices: Range<u32>,
     /// How many samples have all their light in the film.
     pub(super) done: u64,
+    /// Where it ends early, counted in samples, as a portion of a picture does.
+    pub(super) end: Option<u64>,
 }
 
 impl Pass {
@@ -43,7 +45,7 @@ mod tests {
     #[test]
     fn counts_add_up() {
         for done in 0..=15 {
-            let pass = Pass { pixels: None, indices: 2..5, done };
+            let pass = Pass { pixels: None, indices: 2..5, done, end: None };
             let runs = pass.counts(5);
             assert!(runs.iter().flat_map(|(numbers, _)| numbers.clone()).eq(0..5), "{runs:?}");
             let samples: u64 = runs.iter().map(|(run, count)| (run.end - run.start) * u64::from(*count)).sum();

@@ -20,6 +20,10 @@ pub(super) enum SumOrder {
     Waves,
 }
 
+/// Samples that are taken together, at most: all of as many pixels as there is room for. A fixed number: the order in which a pixel's light
+/// is summed must not depend on the machine.
+pub(crate) const WAVE: u64 = 1 << 16;
+
 /// Pixels from sample to sample of the sketches, the coarsest first.
 const SKETCHES: [u32; 3] = [8, 4, 2];
 

@@ -21,9 +21,8 @@ use crate::geometry::{Cone, Ray};
 use crate::progress::Reporter;
 use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
 
-/// Samples per unit of parallel work, and units between two visits to the film.
+/// Samples per unit of parallel work.
 const BLOCK: u64 = 256;
-const BLOCKS: u64 = 256;
 
 /// Diffuse bounces after which Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 3;
@@ -40,33 +39,45 @@ pub(crate) fn render_path(
     options: &RenderOptions,
     watch: &mut Watch<'_>,
 ) -> Result<RenderStats, Error> {
-    let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
     take_samples(film, options, SumOrder::Samples, watch, |film, watch, reporter| {
-        while let Some(samples) = watch.next_wave(film, BLOCK * BLOCKS) {
-            let first = film.done();
-            let end = first + samples;
-            let camera = &*film;
-            let blocks: Vec<PathBlock> = (0..samples.div_ceil(BLOCK))
-                .into_par_iter()
-                .map(|block| {
-                    let begin = first + block * BLOCK;
-                    PathBlock::trace(scene, options, camera, begin..(begin + BLOCK).min(end), reporter)
-                })
-                .collect();
-            if reporter.cancelled() {
-                return Err(Error::Cancelled);
-            }
-            for block in blocks {
-                block.add_to(film);
-                stats.rays += block.rays;
-            }
-            watch.wave_done(film, samples);
-        }
-        Ok(())
+        trace_pass(scene, options, film, watch, reporter, &mut stats)
     })?;
-    stats.seconds.shade = started.elapsed().as_secs_f64();
     Ok(stats)
+}
+
+/// Takes the samples of the film's pass.
+pub(super) fn trace_pass(
+    scene: &Scene,
+    options: &RenderOptions,
+    film: &mut Film,
+    watch: &mut Watch<'_>,
+    reporter: &Reporter<'_>,
+    stats: &mut RenderStats,
+) -> Result<(), Error> {
+    let started = std::time::Instant::now();
+    while let Some(samples) = watch.next_wave(film) {
+        let first = film.done();
+        let end = first + samples;
+        let camera = &*film;
+        let blocks: Vec<PathBlock> = (0..samples.div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                let begin = first + block * BLOCK;
+                PathBlock::trace(scene, options, camera, begin..(begin + BLOCK).min(end), reporter)
+            })
+            .collect();
+        if reporter.cancelled() {
+            return Err(Error::Cancelled);
+        }
+        for block in blocks {
+            block.add_to(film);
+            stats.rays += block.rays;
+        }
+        watch.wave_done(film, samples);
+    }
+    stats.seconds.shade += started.elapsed().as_secs_f64();
+    Ok(())
 }
 
 /// What came of some samples.

@@ -38,11 +38,11 @@ impl<'a> Watch<'a> {
         self.limit.is_some()
     }
 
-    /// How many samples of the film's pass the next wave takes, at most `most`; `None` where the pass is done, or the time is
-    /// up and every pixel has a sample.
-    pub(super) fn next_wave(&mut self, film: &Film, most: u64) -> Option<u64> {
+    /// How many samples of the film's pass the next wave takes; `None` where the pass is done, or the time is up and every pixel has
+    /// a sample.
+    pub(super) fn next_wave(&mut self, film: &Film) -> Option<u64> {
         self.wave_started = Instant::now();
-        let left = (film.sample_count() - film.done()).min(most);
+        let left = (film.sample_count() - film.done()).min(film.samples_per_wave());
         if left == 0 {
             return None;
         }

@@ -8,7 +8,7 @@ use super::accuracy::choose_plan;
 use super::block::{BLOCK, Block, WaveRay};
 use super::graded::grade;
 use super::lit::{DirectLighting, LitVertices};
-use super::passes::{SumOrder, take_samples};
+use super::passes::{SumOrder, WAVE, take_samples};
 use super::plan::{Indirect, Plan};
 use super::refine::{LitHit, refine};
 use super::surface::Vertex;
@@ -21,8 +21,9 @@ use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 /// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
 const BLOCKS_PER_WAVE: usize = 128;
 
-/// Rays per wave. A fixed number: the order in which a pixel's light is summed must not depend on the machine.
-const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
+/// Rays that go on, per wave; as many as camera rays.
+const RAYS: usize = BLOCK * BLOCKS_PER_WAVE;
+const _: () = assert!(RAYS as u64 == WAVE);
 
 /// Where the light at a wave's hits comes from.
 #[derive(Debug)]
@@ -53,21 +54,9 @@ pub(crate) fn render_waves(
     lighting: Lighting<'_>,
     watch: &mut Watch<'_>,
 ) -> Result<RenderStats, Error> {
-    let marks = match &lighting {
-        Lighting::Exact => None,
-        Lighting::Mesh(mesh) => Some(mesh.marks()),
-    };
-    let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-    let mut frame = WaveFrame { scene, options, lighting, marks, blocks, plan: Plan::of(options), lit_hits: None };
+    let mut frame = WaveFrame::new(scene, options, lighting);
     let mut stats = RenderStats::default();
-    if let Lighting::Mesh(mesh) = &mut frame.lighting {
-        mesh.coarsen();
-    }
-    grade(&mut frame, film, &mut stats);
-    refine(&mut frame, film, watch, &mut stats)?;
-    if let Some(bound) = options.error {
-        stats.estimated_error = Some(choose_plan(&mut frame, film, bound, watch, &mut stats)?);
-    }
+    frame.prepare(film, watch, &mut stats)?;
     let lamps = scene.has_lamps();
     if lamps {
         film.watch_lamps();
@@ -82,7 +71,31 @@ pub(crate) fn render_waves(
     Ok(stats)
 }
 
-impl WaveFrame<'_> {
+impl<'a> WaveFrame<'a> {
+    /// A frame that is lit as the method says.
+    pub(super) fn new(scene: &'a Scene, options: &'a RenderOptions, lighting: Lighting<'a>) -> Self {
+        let marks = match &lighting {
+            Lighting::Exact => None,
+            Lighting::Mesh(mesh) => Some(mesh.marks()),
+        };
+        let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
+        Self { scene, options, lighting, marks, blocks, plan: Plan::of(options), lit_hits: None }
+    }
+
+    /// Looks at the picture on the film, as far as the options want it: where meshes are to be finer, and how light is taken so that the
+    /// error keeps to its bound.
+    pub(super) fn prepare(&mut self, film: &Film, watch: &mut Watch<'_>, stats: &mut RenderStats) -> Result<(), Error> {
+        if let Lighting::Mesh(mesh) = &mut self.lighting {
+            mesh.coarsen();
+        }
+        grade(self, film, stats);
+        refine(self, film, watch, stats)?;
+        if let Some(bound) = self.options.error {
+            stats.estimated_error = Some(choose_plan(self, film, bound, watch, stats)?);
+        }
+        Ok(())
+    }
+
     /// Whether there is no indirect light in the picture.
     pub(super) fn is_direct(&self) -> bool {
         match &self.lighting {
@@ -102,7 +115,7 @@ impl WaveFrame<'_> {
         // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
         // them for each mirror and refraction event.
         let mut queue: Vec<WaveRay> = Vec::new();
-        while let Some(count) = watch.next_wave(film, WAVE as u64) {
+        while let Some(count) = watch.next_wave(film) {
             // Camera rays.
             let started = Instant::now();
             let (scene, options) = (self.scene, self.options);
@@ -120,7 +133,7 @@ impl WaveFrame<'_> {
             // Those that go on.
             while !queue.is_empty() {
                 let started = Instant::now();
-                let rest = queue.len().saturating_sub(WAVE);
+                let rest = queue.len().saturating_sub(RAYS);
                 let wave = &queue[rest..];
                 let used = wave.len().div_ceil(BLOCK);
                 stats.rays.secondary += wave.len() as u64;

@@ -52,6 +52,8 @@ pub struct LightMesh {
     spacings: [Spacing; 2],
     /// Levels beyond the first that were asked for, by the distance from the eye as well; of those there may be fewer.
     finer_levels: u32,
+    /// How often it has been made ready for a picture.
+    preparation: u64,
     pub(crate) direct: DirectField,
     /// Where there are bounces, or emission that only gather rays find.
     pub(crate) indirect: Option<IndirectField>,
@@ -103,6 +105,7 @@ impl LightMesh {
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
             finer_levels: options.finer_levels(),
+            preparation: 0,
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
         })
@@ -130,12 +133,18 @@ impl LightMesh {
         self.indirect.as_ref().map_or(MeshStats::default(), IndirectField::stats)
     }
 
-    /// Takes all refinement back; points that are filled stay so.
+    /// Makes ready for another picture: takes all refinement back; points that are filled stay so.
     pub(crate) fn coarsen(&mut self) {
+        self.preparation += 1;
         self.direct.points_mut().coarsen();
         if let Some(field) = &mut self.indirect {
             field.points_mut().coarsen();
         }
+    }
+
+    /// Which picture it is refined for; another number for each.
+    pub(crate) fn preparation(&self) -> u64 {
+        self.preparation
     }
 
     /// Empty marks for both meshes.

@@ -71,6 +71,15 @@ pub(crate) fn room() -> SceneData {
     data
 }
 
+/// The room with a lamp of its own in view, and a box that mirrors: outlines, and waves that follow waves.
+pub(crate) fn room_with_mirror() -> SceneData {
+    let mut data = room();
+    data.materials[1] = Material { metallic: 1.0, roughness: 0.0, ..Material::lambert(Vec3::splat(0.8)) };
+    data.materials.push(Material { emission: Vec3::splat(300.0), ..Material::lambert(Vec3::ZERO) });
+    place(&mut data, cuboid(Vec3::new(-1.4, 1.2, -1.4), Vec3::new(-0.9, 1.6, -1.1), 2));
+    data
+}
+
 pub(crate) fn room_camera() -> Camera {
     Camera::look_at(Vec3::new(0.3, 1.7, 1.95), Vec3::new(0.0, 0.9, -0.5), 1.2)
 }

@@ -1,0 +1,110 @@
+//! Pictures in portions: taken anywhere, in any order, they are the picture that is made in one go.
+
+mod common;
+
+use common::*;
+use std::ops::Range;
+
+use glam::Vec3;
+use lightmesh::portions::{self, PictureSamples, Portion};
+use lightmesh::{Aov, Camera, Error, Frame, LightMesh, Method, RenderOptions, Scene};
+
+const METHODS: [Method; 6] =
+    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
+
+/// One of several machines: it has the scene, and a mesh of its own.
+struct Machine<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    options: &'a RenderOptions,
+    mesh: LightMesh,
+    prepared: portions::Prepared,
+}
+
+impl<'a> Machine<'a> {
+    fn new(scene: &'a Scene, camera: &'a Camera, options: &'a RenderOptions) -> Self {
+        let mut mesh = LightMesh::new(scene, options).expect("mesh");
+        let prepared = portions::prepare(scene, camera, options, &mut mesh, &()).expect("prepared");
+        Self { scene, camera, options, mesh, prepared }
+    }
+
+    fn take(&mut self, samples: PictureSamples<'_>, waves: Range<u64>) -> Result<Portion, Error> {
+        let part = (&self.prepared, samples, waves);
+        portions::render(self.scene, self.camera, self.options, &mut self.mesh, part, &())
+    }
+}
+
+/// The picture from two machines that take waves in turn, the last first.
+fn by_two(scene: &Scene, options: &RenderOptions) -> Frame {
+    let camera = room_camera();
+    let mut machines = [Machine::new(scene, &camera, options), Machine::new(scene, &camera, options)];
+    let mut all = |samples: PictureSamples<'_>, count: u64| -> Vec<Portion> {
+        (0..count).rev().map(|i| machines[i as usize % 2].take(samples, i..i + 1).expect("portion")).collect()
+    };
+    let count = portions::wave_count(options).expect("count");
+    assert!(count > 1);
+    let taken = all(PictureSamples::All, count);
+    let outlines = portions::outlines(scene, &camera, options, &taken).expect("outlines");
+    let anew = outlines.as_ref().map(|outlines| all(PictureSamples::Outlines(outlines), outlines.waves));
+    let anew = outlines.as_ref().zip(anew.as_deref());
+    portions::assemble(scene, &camera, options, &taken, anew).expect("frame")
+}
+
+#[test]
+fn portions_make_the_picture_that_is_made_in_one_go() {
+    let scene = Scene::new(room_with_mirror()).expect("scene");
+    for method in METHODS {
+        // 3 samples: waves are not full. 200 × 150 × 3 of them: two waves.
+        let aovs = [Aov::Normal, Aov::Depth, Aov::Direct].into_iter().collect();
+        let options = RenderOptions { width: 200, height: 150, spp: 3, bounces: 1, aovs, ..options(method) };
+        let whole = shoot(&scene, &room_camera(), &options);
+        let parts = by_two(&scene, &options);
+        assert_eq!(parts.image, whole.image, "{method:?}");
+        assert_eq!(parts.layers, whole.layers, "{method:?}");
+        assert_eq!(parts.stats.rays.primary, whole.stats.rays.primary, "{method:?}");
+    }
+}
+
+/// Refined meshes and a bound on the error: every machine comes to the same plan.
+#[test]
+fn machines_agree_about_what_is_enough() {
+    let mut data = room_with_mirror();
+    let lamp = |i: u32| point_light(Vec3::new(-1.8 + 0.1 * i as f32, 2.7, 0.03 * (i % 7) as f32), Vec3::splat(2.0));
+    data.lights.extend((0..36).map(lamp));
+    let scene = Scene::new(data).expect("scene");
+    let base = RenderOptions { width: 300, height: 240, ..options(Method::Mesh) };
+    for options in [
+        RenderOptions { error: Some(0.05), bounces: 1, ..base.clone() },
+        RenderOptions { refine: Some(2), ..base.clone() },
+        RenderOptions { graded: Some(2.0), ..base },
+    ] {
+        let whole = shoot(&scene, &room_camera(), &options);
+        let parts = by_two(&scene, &options);
+        assert_eq!(parts.image, whole.image, "{options:?}");
+        assert_eq!(parts.stats.estimated_error, whole.stats.estimated_error);
+    }
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    let scene = Scene::new(room_with_mirror()).expect("scene");
+    let options = RenderOptions { width: 200, height: 150, spp: 3, ..options(Method::Mesh) };
+    let camera = room_camera();
+    let mut machine = Machine::new(&scene, &camera, &options);
+    let [first, second] = [0..1, 1..2].map(|waves| machine.take(PictureSamples::All, waves).expect("portion"));
+    let message = |parts: &[Portion]| match portions::assemble(&scene, &camera, &options, parts, None) {
+        Err(Error::InvalidOption { option: "portions", what }) => what,
+        other => panic!("{other:?}"),
+    };
+    assert!(message(&[]).contains("waves 0 to 2 are missing"));
+    assert!(message(std::slice::from_ref(&second)).contains("waves 0 to 1"));
+    assert!(message(&[first.clone(), first.clone(), second.clone()]).contains("twice"));
+    let foreign = Portion { values: second.values[1..].to_vec(), ..second };
+    assert!(message(&[first, foreign]).contains("another picture"));
+
+    assert!(machine.take(PictureSamples::All, 2..3).is_err());
+    assert!(machine.take(PictureSamples::All, 1..1).is_err());
+    lightmesh::render(&scene, &camera, &options, &mut machine.mesh, &()).expect("frame");
+    let error = machine.take(PictureSamples::All, 0..1).expect_err("another picture came between");
+    assert!(error.to_string().contains("another picture"), "{error}");
+}
