@@ -45,6 +45,7 @@
 mod aov;
 pub mod bvh;
 mod error;
+pub mod filling;
 mod film;
 pub mod geometry;
 mod image;

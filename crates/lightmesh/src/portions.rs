@@ -5,7 +5,7 @@
 //! [`prepare`], then [`render`](render()). Where lamps are in view, pixels on their outlines are sampled anew once all portions are there
 //! ([`outlines`]). [`assemble`] makes the picture.
 //!
-//! What the light mesh lacks for a portion is filled on the way.
+//! What the light mesh lacks for a portion is filled on the way; [`crate::filling`] is how several processes share that work.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -19,11 +19,22 @@ use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOption
 /// finer. The same wherever it is found out.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    plan: Plan,
+    pub(crate) plan: Plan,
     /// Of the mesh that has been refined for it.
     preparation: u64,
     /// What it took; [`RenderStats::estimated_error`] is that of the picture.
     pub stats: RenderStats,
+}
+
+impl Prepared {
+    /// Refuses a mesh that is not ready for the picture.
+    pub(crate) fn check(&self, mesh: &LightMesh) -> Result<(), Error> {
+        if mesh.preparation() == self.preparation {
+            return Ok(());
+        }
+        let what = "the mesh has been made ready for another picture since".into();
+        Err(Error::InvalidOption { option: "mesh", what })
+    }
 }
 
 /// Which samples.
@@ -104,21 +115,9 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Result<Portion, Error> {
     check(options)?;
-    if mesh.preparation() != prepared.preparation {
-        let what = "the mesh has been made ready for another picture since".into();
-        return Err(Error::InvalidOption { option: "mesh", what });
-    }
-    let mut film = new_film(scene, camera, options);
-    match samples {
-        PictureSamples::All if scene.has_lamps() && options.method != Method::Path => film.watch_lamps(),
-        PictureSamples::All => {}
-        PictureSamples::Outlines(outlines) => turn_to(&mut film, outlines)?,
-    }
-    let count = film.wave_count();
-    if waves.is_empty() || waves.end > count {
-        let what = format!("there are no waves {} to {}: the picture has {count}", waves.start, waves.end);
-        return Err(Error::InvalidOption { option: "waves", what });
-    }
+    prepared.check(mesh)?;
+    let mut film = film_of(scene, camera, options, samples)?;
+    check_waves(&film, &waves)?;
     let pixels = film.portion_pixels(waves.clone());
     film.begin_portion(waves.clone());
     let started = Instant::now();
@@ -178,6 +177,32 @@ pub fn assemble(
     let (image, mut layers) = film.into_image();
     layers.retain(|layer| options.aovs.contains(layer.aov));
     Ok(Frame { image, layers, stats })
+}
+
+/// An empty film with these samples to be taken.
+pub(crate) fn film_of(
+    scene: &Scene,
+    camera: &Camera,
+    options: &RenderOptions,
+    samples: PictureSamples<'_>,
+) -> Result<Film, Error> {
+    let mut film = new_film(scene, camera, options);
+    match samples {
+        PictureSamples::All if scene.has_lamps() && options.method != Method::Path => film.watch_lamps(),
+        PictureSamples::All => {}
+        PictureSamples::Outlines(outlines) => turn_to(&mut film, outlines)?,
+    }
+    Ok(film)
+}
+
+/// Refuses waves that the film's samples do not have.
+pub(crate) fn check_waves(film: &Film, waves: &Range<u64>) -> Result<(), Error> {
+    let count = film.wave_count();
+    if !waves.is_empty() && waves.end <= count {
+        return Ok(());
+    }
+    let what = format!("there are no waves {} to {}: the picture has {count}", waves.start, waves.end);
+    Err(Error::InvalidOption { option: "waves", what })
 }
 
 /// Puts the portions of the film's pass on it, and their sums to the others'.

@@ -13,6 +13,10 @@ pub enum Stage {
     Sketch,
     /// Comparing pixels with their exact light, to keep to [`RenderOptions::error`](crate::RenderOptions::error); counts samples.
     Check,
+    /// Finding out which mesh points a picture's samples read; counts samples.
+    Demand,
+    /// Filling a light mesh; counts points.
+    Fill,
     /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.

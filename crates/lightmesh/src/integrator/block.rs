@@ -6,12 +6,13 @@ use glam::Vec3;
 
 use super::first_hits::FirstHits;
 use super::lit::LitVertices;
+use super::plan::{Indirect, Plan, Shading};
 use super::refine::LitHit;
 use super::surface::{Surface, Vertex, evaluate_seen};
 use crate::bvh::Hit;
 use crate::film::{Film, Sample};
 use crate::geometry::{Cone, Ray};
-use crate::light_mesh::{IndirectField, IndirectReading, Marks, Sight};
+use crate::light_mesh::{IndirectField, IndirectReading, LightMarks, LightMesh, Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Aov, RenderOptions, Scene};
 
@@ -157,6 +158,17 @@ impl Block {
                 self.first_hits.push(from.pixel, beta.x, &surface, vertex);
             }
             spawn(&mut self.next, from, hit, &surface, options);
+        }
+    }
+
+    /// Marks the mesh points that the vertices read and that are empty.
+    pub(super) fn demand(&self, (scene, plan): (&Scene, Plan), mesh: &LightMesh, marks: &LightMarks) {
+        let vertices = &self.lit.vertices;
+        if plan.seen != Shading::Exact {
+            mesh.direct.points().demand(scene, vertices, &marks.direct, Sight::Every);
+        }
+        if let (Some(field), Some(marks), Indirect::Mesh) = (&mesh.indirect, &marks.indirect, plan.indirect) {
+            field.points().demand(scene, vertices, marks, Sight::Every);
         }
     }
 

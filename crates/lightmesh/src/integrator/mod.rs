@@ -31,7 +31,7 @@ pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use passes::WAVE;
 pub(crate) use path::render_path;
 pub(crate) use plan::Plan;
-pub(crate) use portion::{plan_waves, render_portion_on};
+pub(crate) use portion::{demand_of_portion, plan_waves, render_portion_on};
 pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere, seed_of_place};
 pub(crate) use surface::{Vertex, evaluate, is_back_face, is_solid};
 pub(crate) use visibility::{VisibilityScratch, visibility};

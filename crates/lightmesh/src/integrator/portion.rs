@@ -3,8 +3,9 @@
 use super::path::trace_pass;
 use super::plan::Plan;
 use super::watch::Watch;
-use super::wave::{Lighting, WaveFrame};
+use super::wave::{Lighting, Purpose, WaveFrame};
 use crate::film::Film;
+use crate::light_mesh::{LightMarks, LightMesh};
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
@@ -41,4 +42,19 @@ pub(crate) fn render_portion_on(
         }
     }
     Ok(stats)
+}
+
+/// Marks the mesh points that the samples of the film's portion read and that are empty.
+pub(crate) fn demand_of_portion(
+    scene: &Scene,
+    film: &mut Film,
+    options: &RenderOptions,
+    (mesh, plan): (&mut LightMesh, Plan),
+    watch: &mut Watch<'_>,
+) -> Result<Option<LightMarks>, Error> {
+    let reporter = Reporter::new(watch.progress, Stage::Demand, film.sample_count() - film.done());
+    let mut frame = WaveFrame::new(scene, options, Lighting::Mesh(mesh));
+    (frame.plan, frame.purpose) = (plan, Purpose::Demand);
+    frame.render_pass(film, watch, &reporter, &mut RenderStats::default())?;
+    Ok(frame.marks)
 }

@@ -34,14 +34,24 @@ pub(crate) enum Lighting<'a> {
     Mesh(&'a mut LightMesh),
 }
 
+/// What waves are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Light on the film.
+    Light,
+    /// Marks on the mesh points that the hits read and that are empty.
+    Demand,
+}
+
 /// What a picture is made with.
 pub(super) struct WaveFrame<'a> {
     pub(super) scene: &'a Scene,
     pub(super) options: &'a RenderOptions,
     pub(super) lighting: Lighting<'a>,
-    marks: Option<LightMarks>,
+    pub(super) marks: Option<LightMarks>,
     blocks: Vec<Block>,
     pub(super) plan: Plan,
+    pub(super) purpose: Purpose,
     /// Hits and their light, where somebody asks.
     pub(super) lit_hits: Option<Vec<LitHit>>,
 }
@@ -79,7 +89,8 @@ impl<'a> WaveFrame<'a> {
             Lighting::Mesh(mesh) => Some(mesh.marks()),
         };
         let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-        Self { scene, options, lighting, marks, blocks, plan: Plan::of(options), lit_hits: None }
+        let (plan, purpose) = (Plan::of(options), Purpose::Light);
+        Self { scene, options, lighting, marks, blocks, plan, purpose, lit_hits: None }
     }
 
     /// Looks at the picture on the film, as far as the options want it: where meshes are to be finer, and how light is taken so that the
@@ -161,6 +172,17 @@ impl<'a> WaveFrame<'a> {
         stats: &mut RenderStats,
     ) -> Result<(), Error> {
         let blocks = &mut self.blocks[..used];
+        if self.purpose == Purpose::Demand {
+            let started = Instant::now();
+            if let (Lighting::Mesh(mesh), Some(marks)) = (&self.lighting, &self.marks) {
+                let mesh = &**mesh;
+                blocks.par_iter_mut().for_each(|block| block.demand((self.scene, self.plan), mesh, marks));
+            }
+            blocks.iter().for_each(|block| block.report(reporter));
+            blocks.iter_mut().for_each(|block| queue.append(&mut block.next));
+            stats.seconds.demand += started.elapsed().as_secs_f64();
+            return if reporter.cancelled() { Err(Error::Cancelled) } else { Ok(()) };
+        }
         light((self.scene, self.options, self.plan), blocks, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
         let started = Instant::now();
         for block in blocks {

@@ -15,10 +15,10 @@ use super::probe::{PROBE_RAYS, probe};
 use super::reader::choose;
 use super::seen::{Outcome, Sight};
 use crate::integrator::{DirectLighting, seed_of_place};
-use crate::{Error, Scene};
+use crate::{Error, RenderOptions, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
-const POINTS_AT_ONCE: usize = 256;
+pub(super) const POINTS_AT_ONCE: usize = 256;
 
 /// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the mesh.
 #[derive(Clone, Copy, Debug)]
@@ -49,12 +49,25 @@ struct Linked {
 
 /// What the points that are being filled gather.
 #[derive(Debug, Default)]
-struct Gathered {
+pub(super) struct Gathered {
     /// T_0, and T_1 without the reflection of T_0.
     emission: Vec<Vec4>,
     first: Vec<Vec4>,
     /// By point.
     transfers: Vec<Vec<Transfer>>,
+}
+
+impl Gathered {
+    /// Whether any level needs the one below of points that hits read.
+    pub(super) fn reads_points(&self) -> bool {
+        self.transfers.iter().any(|transfers| !transfers.is_empty())
+    }
+
+    /// Memory, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        let transfers: usize = self.transfers.iter().map(|transfers| size_of_val(transfers.as_slice())).sum();
+        (transfers + size_of_val(self.emission.as_slice()) + size_of_val(self.first.as_slice())) as u64
+    }
 }
 
 impl IndirectField {
@@ -64,49 +77,49 @@ impl IndirectField {
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
-        let first = self.points.len();
+        let (scene, first) = (direct.scene, self.points.len());
         let directions = sphere_directions(self.gather_rays);
         let mut gathers: Vec<Gather> = Vec::new();
         let mut gathered = Gathered::default();
 
         // Hits of new points ask for further points, until they are all there.
-        self.probe(direct, marks)?;
+        direct.stats.rays.secondary += self.probe(scene, marks)?;
         let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
             gathers.resize_with(gathers.len().max(end - next), Gather::default);
             let batch = &mut gathers[..end - next];
-            self.gather(direct, next, &directions, batch, &mut gathered)?;
-            self.link(direct, marks, batch, &mut gathered)?;
+            self.shoot((scene, direct.options), next, &directions, batch);
+            self.light(direct, batch, &mut gathered)?;
+            direct.stats.rays.secondary += self.link(scene, marks, batch, &mut gathered)?;
             next = end;
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
             }
         }
-        self.bounce(direct.scene, first, gathered);
+        self.bounce(scene, gathered);
         let seconds = &mut direct.stats.seconds;
         seconds.fill_indirect += started.elapsed().as_secs_f64() - (seconds.fill_direct - direct_before);
         Ok(())
     }
 
-    /// Finds out which of the marked points are inside solids, and gives the others their index.
-    fn probe(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
+    /// Finds out which of the marked points are inside solids, and gives the others their index; how many rays it took.
+    pub(super) fn probe(&mut self, scene: &Scene, marks: &mut Marks) -> Result<u64, Error> {
         let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
-        let (points, scene) = (&self.points, direct.scene);
-        let probed: Vec<_> = match self.sides {
+        let points = &self.points;
+        let (probed, rays): (Vec<_>, _) = match self.sides {
             Sides::Six => {
-                direct.stats.rays.secondary += PROBE_RAYS * wanted.len() as u64;
                 let look = |&at: &Address| {
                     let spacing = points.level(at.level).lattice.spacing();
                     (at, probe(scene, points.place(at), spacing))
                 };
-                wanted.par_iter().map(look).collect()
+                (wanted.par_iter().map(look).collect(), PROBE_RAYS * wanted.len() as u64)
             }
             // The paper's mesh knows no geometry: every point counts.
-            Sides::One => wanted.iter().map(|&c| (c, Some(super::clearance::Clearance::ALL_FREE))).collect(),
+            Sides::One => (wanted.iter().map(|&c| (c, Some(super::clearance::Clearance::ALL_FREE))).collect(), 0),
         };
         probed.into_iter().for_each(|point| self.points.insert(point));
-        Ok(())
+        Ok(rays)
     }
 
     /// Memory of a point.
@@ -121,28 +134,34 @@ impl IndirectField {
         (levels + transfers) as u64
     }
 
-    /// Whether any level reads the one below through surfaces: not for direct light that is reflected once.
-    fn links(&self) -> bool {
+    /// Whether light is reflected: rays then bring that of the surfaces where they end.
+    pub(super) fn links(&self) -> bool {
         self.levels.len() > 1
     }
 
-    /// Shoots the gather rays of the points from `first` on, one [`Gather`] each, and sums the light that they meet.
-    fn gather(
-        &mut self,
-        direct: &mut DirectLighting<'_, '_>,
+    /// Shoots the gather rays of the points from `first` on, one [`Gather`] each.
+    pub(super) fn shoot(
+        &self,
+        (scene, options): (&Scene, &RenderOptions),
         first: usize,
         directions: &[Vec3],
         batch: &mut [Gather],
+    ) {
+        batch.par_iter_mut().enumerate().for_each(|(i, gather)| {
+            let seed = seed_of_point(self.seed, self.points.address(first + i));
+            gather.sphere(scene, options, self.points.position(first + i), seed, directions);
+        });
+    }
+
+    /// Sums the light that gather rays meet.
+    pub(super) fn light(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        batch: &mut [Gather],
         gathered: &mut Gathered,
     ) -> Result<(), Error> {
-        let (scene, options, batch_len) = (direct.scene, direct.options, batch.len());
-        batch.par_iter_mut().zip(first..first + batch_len).for_each(|(gather, index)| {
-            let seed = seed_of_point(self.seed, self.points.address(index));
-            gather.sphere(scene, options, self.points.position(index), seed, directions);
-        });
-
         // Light at the hits: the direct mesh, one wave deeper.
-        if self.levels.len() > 1 {
+        if self.links() {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
             let seconds = direct.light(Sight::One, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
@@ -152,7 +171,7 @@ impl IndirectField {
             for &(ray, radiance) in &gather.emitted {
                 self.splat(&mut emission, gather.lobes[ray as usize], radiance);
             }
-            if self.levels.len() > 1 {
+            if self.links() {
                 for (vertex, &irradiance) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
                     self.splat(&mut first, gather.lobes[vertex.pixel as usize], vertex.weight * irradiance);
                     self.hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
@@ -184,24 +203,25 @@ impl IndirectField {
         }
     }
 
-    /// Finds the points that the hits read; those that are missing join the mesh.
-    fn link(
+    /// Finds the points that the hits read; those that are missing join the mesh. How many rays it took.
+    pub(super) fn link(
         &mut self,
-        direct: &mut DirectLighting<'_, '_>,
+        scene: &Scene,
         marks: &mut Marks,
         batch: &mut [Gather],
         gathered: &mut Gathered,
-    ) -> Result<(), Error> {
+    ) -> Result<u64, Error> {
         // Reflected once, direct light needs no points; only emission that is gathered does.
-        if !self.links() || (self.levels.len() == 2 && !direct.scene.has_gathered_emitters()) {
+        if !self.links() || (self.levels.len() == 2 && !scene.has_gathered_emitters()) {
             gathered.transfers.resize_with(gathered.transfers.len() + batch.len(), Vec::new);
-            return Ok(());
+            return Ok(0);
         }
+        let mut rays = 0;
         let mut links: Vec<Linked> = batch.iter().map(|_| Linked::default()).collect();
         loop {
             let field = &*self;
             batch.par_iter().zip(&mut links).filter(|(_, linked)| !linked.complete).for_each(|(gather, linked)| {
-                let mut reader = field.points.reader(direct.scene, Sight::One);
+                let mut reader = field.points.reader(scene, Sight::One);
                 let mut corners = Vec::with_capacity(8);
                 linked.transfers.clear();
                 linked.transfers.reserve(gather.lit.vertices.len());
@@ -224,48 +244,52 @@ impl IndirectField {
                 linked.sight_rays += reader.sight_rays();
             });
             if links.iter().all(|linked| linked.complete) {
-                direct.stats.rays.secondary += links.iter().map(|linked| linked.sight_rays).sum::<u64>();
+                rays += links.iter().map(|linked| linked.sight_rays).sum::<u64>();
                 gathered.transfers.extend(links.into_iter().map(|linked| linked.transfers));
-                return Ok(());
+                return Ok(rays);
             }
-            self.probe(direct, marks)?;
+            rays += self.probe(scene, marks)?;
         }
     }
 
-    /// The levels of all points from `first` on.
-    fn bounce(&mut self, scene: &Scene, first: usize, gathered: Gathered) {
-        let sides = self.sides.count();
-        let Gathered { emission, first: once, transfers } = gathered;
-        let levels = self.levels.len();
-        self.levels[0].extend(emission);
-        for k in 1..levels {
-            if k == 1 && !scene.has_gathered_emitters() {
-                self.levels[1].extend_from_slice(&once);
-                continue;
-            }
-            let (field, below) = (&*self, &self.levels[k - 1]);
-            let level: Vec<[Vec4; 6]> = transfers
-                .par_iter()
-                .zip(once.par_chunks_exact(sides))
-                .map(|(transfers, once)| {
-                    let mut values = [Vec4::ZERO; 6];
-                    values[..sides].copy_from_slice(once);
-                    let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-                    let (nowhere, read) =
-                        transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NOWHERE));
-                    for t in read {
-                        let irradiance = field.irradiance(below, t.from, &Axes::facing(t.n)).truncate();
-                        field.splat(&mut values, t.lobe, t.weight * irradiance);
-                        (sum, count) = (sum + irradiance, count + 1.0);
-                    }
-                    for t in nowhere {
-                        field.splat(&mut values, t.lobe, t.weight * sum / f32::max(count, 1.0));
-                    }
-                    values
-                })
-                .collect();
-            self.levels[k].extend(level.iter().flat_map(|values| &values[..sides]));
+    /// The levels of the points that have been gathered for, which follow those that have theirs.
+    fn bounce(&mut self, scene: &Scene, gathered: Gathered) {
+        for k in 0..self.levels.len() {
+            let level = self.level(scene, k, &gathered);
+            self.levels[k].extend(level);
         }
-        debug_assert!(self.levels.iter().all(|level| level.len() == self.points.len() * sides), "{first}");
+        debug_assert!(self.levels.iter().all(|level| level.len() == self.points.len() * self.sides.count()));
+    }
+
+    /// T_k of points that have been gathered for, from T_{k−1} of all points.
+    pub(super) fn level(&self, scene: &Scene, k: usize, gathered: &Gathered) -> Vec<Vec4> {
+        if k == 0 {
+            return gathered.emission.clone();
+        }
+        if k == 1 && !scene.has_gathered_emitters() {
+            return gathered.first.clone();
+        }
+        let (sides, below) = (self.sides.count(), &self.levels[k - 1]);
+        let level: Vec<[Vec4; 6]> = gathered
+            .transfers
+            .par_iter()
+            .zip(gathered.first.par_chunks_exact(sides))
+            .map(|(transfers, once)| {
+                let mut values = [Vec4::ZERO; 6];
+                values[..sides].copy_from_slice(once);
+                let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+                let (nowhere, read) = transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NOWHERE));
+                for t in read {
+                    let irradiance = self.irradiance(below, t.from, &Axes::facing(t.n)).truncate();
+                    self.splat(&mut values, t.lobe, t.weight * irradiance);
+                    (sum, count) = (sum + irradiance, count + 1.0);
+                }
+                for t in nowhere {
+                    self.splat(&mut values, t.lobe, t.weight * sum / f32::max(count, 1.0));
+                }
+                values
+            })
+            .collect();
+        level.iter().flat_map(|values| &values[..sides]).copied().collect()
     }
 }

@@ -119,7 +119,7 @@ impl DirectField {
             && (self.bits.is_some() || self.runs.is_some()) == options.knows_lights()
     }
 
-    pub(super) fn marks(&self) -> Marks {
+    pub(crate) fn marks(&self) -> Marks {
         self.points.marks()
     }
 

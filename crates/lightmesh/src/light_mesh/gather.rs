@@ -101,6 +101,12 @@ pub(super) fn random_rotation(seed: u32) -> Mat3 {
 }
 
 impl Gather {
+    /// Memory, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        let rays = size_of::<Vec3>() + size_of::<Ray>() + size_of::<u32>() + size_of::<Option<Hit>>();
+        self.batch.len() * rays + size_of_val(self.emitted.as_slice()) + size_of_val(self.lit.vertices.as_slice())
+    }
+
     /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the side of ±x,
     /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each side.
     pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {

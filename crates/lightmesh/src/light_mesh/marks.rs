@@ -53,17 +53,21 @@ impl LevelMarks {
         }
     }
 
+    /// The bricks that have marks, in order, with their marks, a bit per place; clears them.
+    pub(super) fn take_words(&mut self) -> Vec<(usize, [u64; 8])> {
+        let touched = self.touched.get_mut().unwrap_or_else(PoisonError::into_inner);
+        touched.sort_unstable();
+        let words = touched.drain(..).filter_map(|brick| Some((brick, self.words[brick].take()?)));
+        words.map(|(brick, words)| (brick, words.each_ref().map(|word| word.load(Ordering::Relaxed)))).collect()
+    }
+
     /// The marked points as (brick, place), in that order, and how many of their bricks are new to `bricks`; clears the
     /// marks.
     pub(super) fn take(&mut self, bricks: &Bricks) -> (Vec<(usize, usize)>, u64) {
-        let touched = self.touched.get_mut().unwrap_or_else(PoisonError::into_inner);
-        touched.sort_unstable();
         let (mut wanted, mut new_bricks) = (Vec::new(), 0);
-        for brick in touched.drain(..) {
-            let Some(words) = self.words[brick].take() else { continue };
+        for (brick, words) in self.take_words() {
             new_bricks += u64::from(!bricks.exists(brick));
-            for (i, word) in words.iter().enumerate() {
-                let mut bits = word.load(Ordering::Relaxed);
+            for (i, mut bits) in words.into_iter().enumerate() {
                 while bits != 0 {
                     wanted.push((brick, i * 64 + bits.trailing_zeros() as usize));
                     bits &= bits - 1;

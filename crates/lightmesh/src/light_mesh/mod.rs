@@ -14,6 +14,7 @@ mod direct;
 mod evaluate;
 mod final_gather;
 mod gather;
+mod gathering;
 mod indirect;
 mod lattice;
 mod level;
@@ -30,11 +31,13 @@ mod region_lights;
 mod seen;
 mod unbiased_gather;
 mod usable;
+pub(crate) mod wanted;
 
 use glam::UVec3;
 
 use crate::{Error, MeshStats, RenderOptions, Scene, Spacing};
 pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
+pub use gathering::{Gathering, LevelValues};
 pub(crate) use indirect::{IndirectField, IndirectReading};
 use lattice::Lattice;
 pub(crate) use marks::Marks;
@@ -43,6 +46,7 @@ pub(crate) use points::Points;
 pub(crate) use region_lights::KnownLights;
 pub(crate) use seen::Sight;
 pub(crate) use unbiased_gather::Paths;
+pub use wanted::{BrickPoints, Wanted};
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
 /// neighbourhood, weights, number of levels, light error, gather rays and seed, and serve up to the bounces they were made for;

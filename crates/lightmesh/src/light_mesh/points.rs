@@ -47,6 +47,11 @@ impl Points {
         Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
     }
 
+    /// The same lattices without a point.
+    pub(super) fn without_points(&self) -> Self {
+        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.neighbourhood)
+    }
+
     /// Filled points, whose indices go from 0 up.
     pub(super) fn len(&self) -> usize {
         self.addresses.len()
@@ -109,6 +114,14 @@ impl Points {
     /// A reader for one thread.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> Reader<'a> {
         Reader::new(scene, self, sight)
+    }
+
+    /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[Vertex], marks: &Marks, sight: Sight) {
+        let mut reader = self.reader(scene, Sight::Unchecked { finer: sight != Sight::One });
+        vertices.iter().for_each(|vertex| {
+            reader.read(vertex, marks, |_, _| {});
+        });
     }
 
     /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
