@@ -17,6 +17,11 @@ pub enum Stage {
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.
     Outlines,
+    /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::Method::Path)
+    /// [`RenderOptions::spp`](crate::RenderOptions::spp).
+    Measure,
+    /// Evaluating mesh points before somebody reads them; counts those that were asked for.
+    Fill,
 }
 
 /// Receives reports and may cancel. Reports come from worker threads: one when a stage begins, one when it ends, and

@@ -51,12 +51,7 @@ pub fn render(
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            if !mesh.serves(options) {
-                let what = "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light \
-                            error"
-                    .into();
-                return Err(Error::InvalidOption { option: "mesh", what });
-            }
+            mesh.check_serves(options)?;
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
         }
     };
@@ -70,11 +65,7 @@ pub fn render(
     }
     layers.retain(|layer| options.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
-    if options.method.has_mesh() {
-        stats.direct = mesh.stats();
-        stats.indirect = mesh.indirect_stats();
-        stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
-    }
+    mesh.report(options, &mut stats);
     if let Some(viewer) = viewer {
         viewer.show(image.clone());
     }

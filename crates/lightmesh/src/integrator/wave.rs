@@ -19,10 +19,10 @@ use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
 /// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
-const BLOCKS_PER_WAVE: usize = 128;
+pub(super) const BLOCKS_PER_WAVE: usize = 128;
 
 /// Rays per wave. A fixed number: the order in which a pixel's light is summed must not depend on the machine.
-const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
+pub(super) const WAVE: usize = BLOCK * BLOCKS_PER_WAVE;
 
 /// Where the light at a wave's hits comes from.
 #[derive(Debug)]
@@ -165,7 +165,7 @@ impl WaveFrame<'_> {
 }
 
 /// Computes the irradiance at every vertex of the blocks.
-fn light(
+pub(super) fn light(
     (scene, options, plan): (&Scene, &RenderOptions, Plan),
     blocks: &mut [Block],
     lighting: &mut Lighting<'_>,
