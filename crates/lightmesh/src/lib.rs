@@ -5,8 +5,8 @@
 //! bleeding in ray tracing", GraphiCon 2001; *the paper* in all that follows.
 //!
 //! A [`SceneData`] says what there is, a [`Scene`] is checked and ready for rays, a [`LightMesh`] keeps the light from frame
-//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. Reading and writing files is the business of `lightmesh-io`. Metres, candela, lux and
-//! cd/m² throughout.
+//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. Reading and writing files is the
+//! business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
 //!
 //! ```
 //! use lightmesh::geometry::{Sphere, TriangleMesh};

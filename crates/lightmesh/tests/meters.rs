@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use common::*;
 use glam::{Vec3, Vec3Swizzles};
-use lightmesh::geometry::Sphere;
+use lightmesh::geometry::{Aabb, Sphere};
 use lightmesh::{
     Camera, EmitterOptions, Error, LightMesh, Material, Measured, Meter, Method, Progress, RenderOptions, Scene,
     SceneData, Spacing, Stage, measure,
@@ -135,7 +135,7 @@ fn a_furnace_shines_alike_on_every_meter() {
             let options = RenderOptions { spp: 1024, ..with_bounces(method, bounces as u32) };
             // In the box it is dark.
             let mut meters = meters_in_the_room();
-            meters.retain(|meter| meter.position.xz().abs().max_element() > 0.6 || meter.position.y >= 1.0);
+            meters.retain(|meter| meter.position.xz().abs().max_element() > 0.6 || meter.position.y > 1.0);
             let measured = read(&scene, &meters, &options);
             for ((meter, direct), indirect) in meters.iter().zip(&measured.direct).zip(&measured.indirect) {
                 let off = ((*direct + *indirect) / expected - Vec3::ONE).abs().max_element();
@@ -315,4 +315,79 @@ fn measuring_reports_and_stops() {
         let stopped = measure(&scene, &meters, &options, &mut mesh, &Log { stop: true, ..Log::default() });
         assert!(matches!(stopped, Err(Error::Cancelled)), "{method:?}");
     }
+}
+
+/// A box that is filled ahead leaves a picture in it nothing to fill, and the picture is that of a cold mesh; what is filled around
+/// places is what meters there read, whichever way they face.
+#[test]
+fn what_is_filled_ahead_is_only_read() {
+    let scene = Scene::new(room()).expect("scene");
+    // Surfaces read points beyond them, too.
+    let grown = Aabb { min: scene.bounds().min - 0.4, max: scene.bounds().max + 0.4 };
+    let fills = |rays: lightmesh::RayCounts| rays.gather;
+    for (method, bounces) in [(Method::Mesh, 2), (Method::Paper, 2), (Method::Mesh, 0), (Method::Hybrid, 1)] {
+        let options = with_bounces(method, bounces);
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        let filled = mesh.fill_box(&scene, &options, &grown, &()).expect("filled");
+        assert!(filled.direct.points_used >= 20 * 15 * 20 && (filled.indirect.points_used > 0) == (bounces > 0));
+        let frame = lightmesh::render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
+        assert_eq!((frame.stats.fill_shadow_rays, fills(frame.stats.rays)), (0, 0), "{method:?}");
+        assert_eq!(frame.image, shoot(&scene, &room_camera(), &options).image, "{method:?}");
+        let again = mesh.fill_box(&scene, &options, &grown, &()).expect("filled");
+        assert_eq!((again.rays.total(), again.direct), (0, frame.stats.direct), "{method:?}");
+
+        let meters = meters_in_the_room();
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        let places: Vec<Vec3> = meters.iter().map(|m| m.position).collect();
+        let filled = mesh.fill_around(&scene, &options, &places, &()).expect("filled");
+        let turned: Vec<Meter> = meters.iter().map(|m| Meter { normal: m.normal.zxy() - 0.3, ..*m }).collect();
+        for meters in [meters, turned] {
+            let measured = measure(&scene, &meters, &options, &mut mesh, &()).expect("measured");
+            assert_eq!(measured.stats.indirect, filled.indirect, "{method:?}");
+            assert_eq!(measured.direct, read(&scene, &meters, &options).direct, "{method:?}");
+        }
+    }
+}
+
+#[test]
+fn filling_ahead_checks_memory_and_stops() {
+    struct Stop;
+    impl Progress for Stop {
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let scene = Scene::new(room()).expect("scene");
+    let options = RenderOptions { max_memory: 8 << 20, spacing: Spacing::Metres(0.05), ..options(Method::Mesh) };
+    let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+    let full = mesh.fill_box(&scene, &options, &scene.bounds(), &()).expect_err("too much");
+    assert!(matches!(full, Error::OutOfMemory { .. }) && mesh.stats().points_used == 0, "{full}");
+    let stopped = mesh.fill_around(&scene, &options, &[Vec3::ONE], &Stop).expect_err("stopped");
+    assert!(matches!(stopped, Error::Cancelled));
+    let standard = RenderOptions { method: Method::Standard, ..options };
+    let refused = mesh.fill_around(&scene, &standard, &[Vec3::ONE], &()).expect_err("no mesh");
+    assert!(matches!(refused, Error::InvalidOption { option: "method", .. }));
+}
+
+/// A render that is stopped while it fills the indirect mesh leaves a mesh that later ones can go on with.
+#[test]
+fn a_mesh_survives_a_fill_that_was_stopped() {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    struct After(AtomicU32);
+    impl Progress for After {
+        fn cancelled(&self) -> bool {
+            self.0.fetch_sub(1, Ordering::Relaxed) == 0
+        }
+    }
+    let scene = Scene::new(room()).expect("scene");
+    let options = with_bounces(Method::Mesh, 2);
+    let expected = shoot(&scene, &room_camera(), &options).image;
+    let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+    let mut stopped = 0;
+    for calls in 0..12 {
+        let after = After(AtomicU32::new(calls));
+        stopped += u32::from(lightmesh::render(&scene, &room_camera(), &options, &mut mesh, &after).is_err());
+    }
+    assert!(stopped > 2, "{stopped}");
+    assert_eq!(lightmesh::render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame").image, expected);
 }

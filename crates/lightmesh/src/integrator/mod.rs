@@ -32,6 +32,7 @@ pub(crate) use lit::{DirectLighting, LitVertices};
 pub(crate) use meter_paths::measure_paths;
 pub(crate) use meters::measure_waves;
 pub(crate) use path::render_path;
+pub(crate) use plan::Plan;
 pub(crate) use sampling::{basis, film_samples, hash, sample_cosine_hemisphere, seed_of_place};
 pub(crate) use surface::{Vertex, evaluate, is_back_face, is_solid};
 pub(crate) use visibility::{VisibilityScratch, visibility};

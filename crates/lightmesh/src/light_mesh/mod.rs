@@ -7,6 +7,7 @@
 //! settings and the point alone, so it does not matter who asked first.
 
 mod agreement;
+mod ahead;
 mod bounce;
 mod bricks;
 mod clearance;
@@ -132,8 +133,7 @@ impl LightMesh {
 
     /// Whether points lie all around a place: it is in the scene's box, but for rounding.
     pub(crate) fn reaches(&self, scene: &Scene, place: Vec3) -> bool {
-        let (bounds, slack) = (scene.bounds(), 0.01 * self.direct.points().spacing());
-        place.cmpge(bounds.min - slack).all() && place.cmple(bounds.max + slack).all()
+        ahead::reaches(scene, self.direct.points().spacing(), place)
     }
 
     /// Notes its state in the numbers of a frame that had these options.
