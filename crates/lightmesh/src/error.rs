@@ -23,6 +23,14 @@ pub enum Error {
         /// The range and the value that was given.
         what: String,
     },
+    /// A meter that is nowhere or faces nowhere.
+    #[error("meter {index}: {what}")]
+    InvalidMeter {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What is wrong and what to check.
+        what: String,
+    },
     /// The work would need more memory than allowed; nothing was allocated.
     #[error("{what} would need {} of memory, more than the limit of {}; {advice}, or raise --max-memory", human_bytes(*.needed_bytes), human_bytes(*.limit_bytes))]
     OutOfMemory {

@@ -17,7 +17,6 @@ use crate::light_mesh::wanted;
 pub use crate::light_mesh::{BrickPoints, Gathering, LevelValues, Wanted};
 use crate::portions::{PictureSamples, Prepared, check_waves, film_of};
 use crate::progress::Reporter;
-use crate::render::check_mesh;
 use crate::{Camera, Error, LightMesh, Progress, RayCounts, RenderOptions, Scene, Stage};
 
 /// The mesh points that the samples of some waves read and that are empty. Nothing for the methods without a mesh. Where meshes have finer
@@ -37,7 +36,7 @@ pub fn demand(
         return Ok(Wanted::default());
     }
     prepared.check(mesh)?;
-    check_mesh(mesh, options)?;
+    mesh.check_serves(options)?;
     let mut film = film_of(scene, camera, options, samples)?;
     check_waves(&film, &waves)?;
     film.begin_portion(waves);
@@ -58,7 +57,7 @@ pub fn fill_direct(
     progress: &dyn Progress,
 ) -> Result<RayCounts, Error> {
     options.validate()?;
-    check_mesh(mesh, options)?;
+    mesh.check_serves(options)?;
     if !options.method.has_mesh() {
         return Ok(RayCounts::default());
     }

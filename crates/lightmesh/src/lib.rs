@@ -5,8 +5,8 @@
 //! bleeding in ray tracing", GraphiCon 2001; *the paper* in all that follows.
 //!
 //! A [`SceneData`] says what there is, a [`Scene`] is checked and ready for rays, a [`LightMesh`] keeps the light from frame
-//! to frame, and [`render`] makes a picture. Reading and writing files is the business of `lightmesh-io`. Metres, candela, lux and
-//! cd/m² throughout.
+//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. Reading and writing files is the
+//! business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
 //!
 //! ```
 //! use lightmesh::geometry::{Sphere, TriangleMesh};
@@ -51,6 +51,7 @@ pub mod geometry;
 mod image;
 mod integrator;
 mod light_mesh;
+mod measure;
 pub mod metrics;
 mod options;
 pub mod portions;
@@ -63,6 +64,7 @@ pub use aov::{Aov, Aovs, Layer};
 pub use error::Error;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use light_mesh::LightMesh;
+pub use measure::{Measured, Meter, measure};
 pub use options::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};
 pub use render::{Frame, render};

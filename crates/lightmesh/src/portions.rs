@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use crate::film::Film;
 use crate::integrator::{Lighting, Plan, Watch, plan_waves, render_portion_on};
-use crate::render::{check_mesh, new_film};
+use crate::render::new_film;
 use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// How a picture is made, where that needs a look at all of it: how lights are asked so that the error keeps to its bound, where meshes are
@@ -269,7 +269,7 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
         Method::Path => Ok(None),
         Method::Standard => Ok(Some(Lighting::Exact)),
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            check_mesh(mesh, options)?;
+            mesh.check_serves(options)?;
             Ok(Some(Lighting::Mesh(mesh)))
         }
     }

@@ -15,12 +15,15 @@ pub enum Stage {
     Check,
     /// Finding out which mesh points a picture's samples read; counts samples.
     Demand,
-    /// Filling a light mesh; counts points.
-    Fill,
     /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.
     Outlines,
+    /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::Method::Path)
+    /// [`RenderOptions::spp`](crate::RenderOptions::spp).
+    Measure,
+    /// Evaluating mesh points before somebody reads them; counts those that were asked for.
+    Fill,
 }
 
 /// Receives reports and may cancel. Reports come from worker threads: one when a stage begins, one when it ends, and

@@ -48,7 +48,7 @@ pub fn render(
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            check_mesh(mesh, options)?;
+            mesh.check_serves(options)?;
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
         }
     };
@@ -62,11 +62,7 @@ pub fn render(
     }
     layers.retain(|layer| options.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
-    if options.method.has_mesh() {
-        stats.direct = mesh.stats();
-        stats.indirect = mesh.indirect_stats();
-        stats.left_out = mesh.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
-    }
+    mesh.report(options, &mut stats);
     if let Some(viewer) = viewer {
         viewer.show(image.clone());
     }
@@ -80,17 +76,6 @@ pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) 
         film.drop_cones();
     }
     film
-}
-
-/// Refuses a mesh that was made for other options.
-pub(crate) fn check_mesh(mesh: &LightMesh, options: &RenderOptions) -> Result<(), Error> {
-    if mesh.serves(options) {
-        return Ok(());
-    }
-    let what =
-        "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light error"
-            .into();
-    Err(Error::InvalidOption { option: "mesh", what })
 }
 
 /// The points of both meshes, and what they look like in a picture of them.

@@ -8,6 +8,7 @@ use super::Aabb;
 ///
 /// Every attribute but `positions` may be empty ("not given"); otherwise it has the length of `positions`.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TriangleMesh {
     /// Name in the file, for messages; may be empty.
     pub name: String,

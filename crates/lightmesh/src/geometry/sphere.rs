@@ -6,6 +6,7 @@ use super::{Aabb, Ray};
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
     /// Centre, metres.
     pub center: Vec3,

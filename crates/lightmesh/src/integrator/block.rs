@@ -67,11 +67,15 @@ impl Block {
         }));
     }
 
-    /// Counts the rays of a finished block, and its samples if they are camera rays.
+    /// Counts the rays of a finished block, and its samples if they are camera rays or meters, which no ray has led to.
     pub(super) fn report(&self, reporter: &Reporter<'_>) {
-        let from_camera = self.input.first().is_some_and(|ray| ray.depth == 0 && ray.layers == 0);
         let rays = self.input.len() as u64;
-        reporter.add(if from_camera { rays } else { 0 }, rays + self.lit.rays());
+        let done = match self.input.first() {
+            None => self.lit.vertices.len() as u64,
+            Some(ray) if ray.depth == 0 && ray.layers == 0 => rays,
+            Some(_) => 0,
+        };
+        reporter.add(done, rays + self.lit.rays());
     }
 
     /// The vertices with their light.

@@ -1,4 +1,4 @@
-//! Light at surfaces: the four tracers and what they share.
+//! Light at surfaces and meters: the four tracers and what they share.
 //!
 //! The reflection model is documented at [`Material`](crate::Material).
 
@@ -12,6 +12,8 @@ mod graded;
 mod lamps;
 mod lights_at;
 mod lit;
+mod meter_paths;
+mod meters;
 mod passes;
 mod path;
 mod pilot;
@@ -28,6 +30,8 @@ mod wave;
 pub(crate) use block::MAX_LAYERS;
 pub(crate) use lights_at::LightsAt;
 pub(crate) use lit::{DirectLighting, LitVertices};
+pub(crate) use meter_paths::measure_paths;
+pub(crate) use meters::measure_waves;
 pub(crate) use passes::WAVE;
 pub(crate) use path::render_path;
 pub(crate) use plan::Plan;

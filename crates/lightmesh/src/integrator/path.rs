@@ -1,6 +1,7 @@
 //! Unidirectional path tracing with next-event estimation over all lights and multiple importance sampling of those that have a
 //! size (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapter 9): slow, unbiased, the truth.
 
+use std::f32::consts::PI;
 use std::ops::Range;
 
 use glam::Vec3;
@@ -96,14 +97,7 @@ impl PathBlock {
         samples: Range<u64>,
         reporter: &Reporter<'_>,
     ) -> Self {
-        let mut tracer = PathTracer {
-            scene,
-            options,
-            scratch: Scratch::default(),
-            lamps: LampSampler::default(),
-            rays: RayCounts::default(),
-            first_hits: FirstHits::default(),
-        };
+        let mut tracer = PathTracer::new(scene, options);
         let count = samples.end - samples.start;
         let radiance = film
             .samples(samples)
@@ -132,12 +126,12 @@ impl PathBlock {
     }
 }
 
-/// Radiance along a path, cd/m²: all of it, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] have of it.
+/// Radiance along a path, cd/m², or irradiance: all of it, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] have of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Radiance {
+pub(super) struct Radiance {
     all: Vec3,
-    direct: Vec3,
-    indirect: Vec3,
+    pub(super) direct: Vec3,
+    pub(super) indirect: Vec3,
 }
 
 impl Radiance {
@@ -154,12 +148,12 @@ impl Radiance {
     }
 }
 
-struct PathTracer<'a> {
+pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: Scratch,
     lamps: LampSampler,
-    rays: RayCounts,
+    pub(super) rays: RayCounts,
     first_hits: FirstHits,
 }
 
@@ -198,7 +192,31 @@ fn part(bounces: u32, arrival: Arrival) -> Aov {
     }
 }
 
-impl PathTracer<'_> {
+impl<'a> PathTracer<'a> {
+    pub(super) fn new(scene: &'a Scene, options: &'a RenderOptions) -> Self {
+        Self {
+            scene,
+            options,
+            scratch: Scratch::default(),
+            lamps: LampSampler::default(),
+            rays: RayCounts::default(),
+            first_hits: FirstHits::default(),
+        }
+    }
+
+    /// An estimate of the irradiance at a vertex, lux.
+    pub(super) fn irradiance(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Radiance {
+        let mut e = Radiance::default();
+        e.add(Aov::Direct, self.direct(vertex, sampler));
+        if self.options.bounces > 0 || self.lamps.can_be_hit(self.scene) {
+            // The mean of radiance over directions in proportion to the cosine is E / π.
+            let mut mean = Radiance::default();
+            self.branch(vertex, (Vec3::ONE, 0), sampler, &mut mean);
+            e.add_part(mean, PI);
+        }
+        e
+    }
+
     /// An estimate of the radiance along a camera ray, cd/m².
     fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
@@ -261,14 +279,14 @@ impl PathTracer<'_> {
             let way = if ways[way] == Vec3::ZERO { (0..3).find(|&w| ways[w] != Vec3::ZERO).unwrap_or(0) } else { way };
             beta *= ways[way] * (total / ways[way].max_element());
             if way == 0 && bounces == 0 {
-                self.branch(&surface, Walk { beta, ..walk }, sampler, &mut li);
+                self.branch(&surface.vertex(beta, pixel), (beta, pixel), sampler, &mut li);
                 break;
             }
             if way == 0 {
                 bounces += 1;
                 depth = 0;
                 let pdf;
-                (ray, pdf) = self.bounce(&surface, sampler);
+                (ray, pdf) = self.bounce(&surface.vertex(beta, pixel), sampler);
                 cone = Cone::POINT;
                 arrival = Arrival::Bounced { pdf };
                 self.rays.gather += 1;
@@ -300,24 +318,24 @@ impl PathTracer<'_> {
         li
     }
 
-    /// Adds the mean of [`BRANCHES`] paths that leave the first diffuse surface, which `walk` has reached.
-    fn branch(&mut self, surface: &Surface, walk: Walk, sampler: &Sampler, li: &mut Radiance) {
+    /// Adds the mean of [`BRANCHES`] paths that leave the first diffuse surface with this throughput.
+    fn branch(&mut self, vertex: &Vertex, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..BRANCHES {
             let mut sampler = sampler.branch(branch, BRANCHES);
-            let (ray, pdf) = self.bounce(surface, &mut sampler);
+            let (ray, pdf) = self.bounce(vertex, &mut sampler);
             self.rays.gather += 1;
             let arrival = Arrival::Bounced { pdf };
-            let part = self.follow(Walk { ray, cone: Cone::POINT, bounces: 1, arrival, ..walk }, &mut sampler);
+            let part = self.follow(Walk { ray, cone: Cone::POINT, beta, bounces: 1, arrival, pixel }, &mut sampler);
             li.add_part(part, 1.0 / BRANCHES as f32);
         }
     }
 
     /// A cosine-distributed direction about the shading normal: its pdf, cosθ / π, cancels Lambert's cosine / π.
-    fn bounce(&self, surface: &Surface, sampler: &mut Sampler) -> (Ray, f32) {
-        let (t, b) = basis(surface.n);
+    fn bounce(&self, vertex: &Vertex, sampler: &mut Sampler) -> (Ray, f32) {
+        let (t, b) = basis(vertex.n);
         let local = sample_cosine_hemisphere(sampler.next_pair());
-        let ray = surface.leave(t * local.x + b * local.y + surface.n * local.z);
-        (ray, pdf_cosine_hemisphere(local.z))
+        let direction = t * local.x + b * local.y + vertex.n * local.z;
+        (Ray::new(vertex.origin_towards(direction), direction), pdf_cosine_hemisphere(local.z))
     }
 
     /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their

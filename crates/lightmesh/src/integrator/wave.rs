@@ -19,10 +19,10 @@ use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
 /// Blocks per wave: work for many threads, and buffers (about 250 B a ray) that stay near the cache.
-const BLOCKS_PER_WAVE: usize = 128;
+pub(super) const BLOCKS_PER_WAVE: usize = 128;
 
 /// Rays that go on, per wave; as many as camera rays.
-const RAYS: usize = BLOCK * BLOCKS_PER_WAVE;
+pub(super) const RAYS: usize = BLOCK * BLOCKS_PER_WAVE;
 const _: () = assert!(RAYS as u64 == WAVE);
 
 /// Where the light at a wave's hits comes from.
@@ -200,7 +200,7 @@ impl<'a> WaveFrame<'a> {
 }
 
 /// Computes the irradiance at every vertex of the blocks.
-fn light(
+pub(super) fn light(
     (scene, options, plan): (&Scene, &RenderOptions, Plan),
     blocks: &mut [Block],
     lighting: &mut Lighting<'_>,

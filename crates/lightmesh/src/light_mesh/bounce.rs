@@ -10,7 +10,7 @@ use super::direct::Axes;
 use super::gather::{Gather, seed_of_point, sphere_directions};
 use super::indirect::{IndirectField, Sides};
 use super::marks::Marks;
-use super::points::{Address, Points};
+use super::points::{Address, Costs, Points};
 use super::probe::{PROBE_RAYS, probe};
 use super::reader::choose;
 use super::seen::{Outcome, Sight};
@@ -77,13 +77,35 @@ impl IndirectField {
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
-        let (scene, first) = (direct.scene, self.points.len());
+        let (first, hit_irradiance) = (self.points.len(), self.hit_irradiance);
+        match self.gather_all(direct, marks, first) {
+            Ok(gathered) => self.bounce(direct.scene, gathered),
+            Err(error) => {
+                // Points whose levels nobody knows must not stay.
+                self.points.forget(first);
+                self.hit_irradiance = hit_irradiance;
+                return Err(error);
+            }
+        }
+        let seconds = &mut direct.stats.seconds;
+        seconds.fill_indirect += started.elapsed().as_secs_f64() - (seconds.fill_direct - direct_before);
+        Ok(())
+    }
+
+    /// What the marked points and all that they depend on gather; they are those from `first` on.
+    fn gather_all(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        marks: &mut Marks,
+        first: usize,
+    ) -> Result<Gathered, Error> {
+        let scene = direct.scene;
         let directions = sphere_directions(self.gather_rays);
         let mut gathers: Vec<Gather> = Vec::new();
         let mut gathered = Gathered::default();
 
         // Hits of new points ask for further points, until they are all there.
-        direct.stats.rays.secondary += self.probe(scene, marks)?;
+        direct.stats.rays.secondary += self.probe(scene, marks, first)?;
         let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
@@ -91,21 +113,20 @@ impl IndirectField {
             let batch = &mut gathers[..end - next];
             self.shoot((scene, direct.options), next, &directions, batch);
             self.light(direct, batch, &mut gathered)?;
-            direct.stats.rays.secondary += self.link(scene, marks, batch, &mut gathered)?;
+            direct.stats.rays.secondary += self.link(scene, marks, batch, first, &mut gathered)?;
             next = end;
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
             }
         }
-        self.bounce(scene, gathered);
-        let seconds = &mut direct.stats.seconds;
-        seconds.fill_indirect += started.elapsed().as_secs_f64() - (seconds.fill_direct - direct_before);
-        Ok(())
+        Ok(gathered)
     }
 
-    /// Finds out which of the marked points are inside solids, and gives the others their index; how many rays it took.
-    pub(super) fn probe(&mut self, scene: &Scene, marks: &mut Marks) -> Result<u64, Error> {
-        let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
+    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on are being filled.
+    /// How many rays it took.
+    pub(super) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
+        let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
+        let wanted = self.points.take(marks, costs, self.max_memory)?;
         let points = &self.points;
         let (probed, rays): (Vec<_>, _) = match self.sides {
             Sides::Six => {
@@ -122,16 +143,19 @@ impl IndirectField {
         Ok(rays)
     }
 
-    /// Memory of a point.
+    /// Memory of a point, with what it takes while it is being filled.
     pub(crate) fn bytes_per_point(&self) -> u64 {
-        self.value_bytes() + Points::BYTES_PER_POINT
+        self.costs().kept + self.transfer_bytes() + Points::BYTES_PER_POINT
     }
 
-    /// Memory of a point's levels and of its transfers while it is being filled.
-    fn value_bytes(&self) -> u64 {
-        let levels = self.levels.len() * self.sides.count() * size_of::<Vec4>();
-        let transfers = if self.links() { self.gather_rays as usize * size_of::<Transfer>() } else { 0 };
-        (levels + transfers) as u64
+    /// Memory of a point's transfers while it is being filled.
+    fn transfer_bytes(&self) -> u64 {
+        if self.links() { u64::from(self.gather_rays) * size_of::<Transfer>() as u64 } else { 0 }
+    }
+
+    /// What a point's levels take.
+    pub(super) fn costs(&self) -> Costs {
+        Costs::kept((self.levels.len() * self.sides.count() * size_of::<Vec4>()) as u64)
     }
 
     /// Whether light is reflected: rays then bring that of the surfaces where they end.
@@ -209,6 +233,7 @@ impl IndirectField {
         scene: &Scene,
         marks: &mut Marks,
         batch: &mut [Gather],
+        first: usize,
         gathered: &mut Gathered,
     ) -> Result<u64, Error> {
         // Reflected once, direct light needs no points; only emission that is gathered does.
@@ -248,7 +273,7 @@ impl IndirectField {
                 gathered.transfers.extend(links.into_iter().map(|linked| linked.transfers));
                 return Ok(rays);
             }
-            rays += self.probe(scene, marks)?;
+            rays += self.probe(scene, marks, first)?;
         }
     }
 

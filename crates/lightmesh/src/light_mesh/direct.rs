@@ -17,7 +17,7 @@ use super::light_regions::LightRegions;
 use super::light_runs::LightRuns;
 use super::marks::Marks;
 use super::neighbourhood::Neighbourhood;
-use super::points::Points;
+use super::points::{Costs, Points};
 use super::region_lights::RegionLights;
 use super::seen::{Known, Sight};
 use crate::integrator::Vertex;
@@ -132,6 +132,16 @@ impl DirectField {
     /// Memory of a point's values, but for runs, which differ from point to point.
     fn value_bytes(&self) -> u64 {
         (self.field.stride() * size_of::<Vec4>()) as u64 + self.bits.as_ref().map_or(0, LightBits::bytes_per_point)
+    }
+
+    /// What filling points takes.
+    pub(super) fn costs(&self) -> Costs {
+        Costs::kept(self.value_bytes())
+    }
+
+    /// The most memory that it may take, bytes.
+    pub(super) fn max_memory(&self) -> u64 {
+        self.max_memory
     }
 
     /// Memory of a point; a guess where they differ.

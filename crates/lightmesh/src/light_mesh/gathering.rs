@@ -24,7 +24,6 @@ use super::wanted::{self, BrickPoints, Wanted};
 use super::{Coordinate, LightMesh};
 use crate::integrator::{DirectLighting, Plan};
 use crate::progress::Reporter;
-use crate::render::check_mesh;
 use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Points of the indirect mesh that are being filled.
@@ -72,7 +71,7 @@ impl Gathering {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         options.validate()?;
-        check_mesh(mesh, options)?;
+        mesh.check_serves(options)?;
         let Some(field) = &mesh.indirect else {
             let what = "there is no indirect mesh without bounces".into();
             return Err(Error::InvalidOption { option: "bounces", what });
@@ -80,7 +79,7 @@ impl Gathering {
         let mut field = field.without_points();
         let mut marks = field.points().marks();
         wanted::mark(field.points(), bricks, &marks)?;
-        let mut rays = RayCounts { secondary: field.probe(scene, &mut marks)?, ..RayCounts::default() };
+        let mut rays = RayCounts { secondary: field.probe(scene, &mut marks, 0)?, ..RayCounts::default() };
         let own = field.points().len();
         let reporter = Reporter::new(progress, Stage::Fill, own as u64);
 
@@ -90,7 +89,7 @@ impl Gathering {
         gathers.resize_with(own, Gather::default);
         for (batch, first) in gathers.chunks_mut(POINTS_AT_ONCE).zip((0..).step_by(POINTS_AT_ONCE)) {
             field.shoot((scene, options), first, &directions, batch);
-            let linked = field.link(scene, &mut marks, batch, &mut gathered)?;
+            let linked = field.link(scene, &mut marks, batch, 0, &mut gathered)?;
             let shot: u64 = batch.iter_mut().map(|gather| std::mem::take(&mut gather.rays)).sum();
             (rays.secondary, rays.gather) = (rays.secondary + linked, rays.gather + shot);
             reporter.add(batch.len() as u64, shot + linked);
@@ -144,7 +143,7 @@ impl Gathering {
         mesh: &mut LightMesh,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
-        check_mesh(mesh, options)?;
+        mesh.check_serves(options)?;
         let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
         let mut stats = RenderStats::default();
         let mut marks = mesh.direct.marks();

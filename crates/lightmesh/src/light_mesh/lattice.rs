@@ -126,6 +126,13 @@ impl Lattice {
         (low.as_uvec3(), high.as_uvec3())
     }
 
+    /// The lattice points of a box, both ends included; `None` where there are none.
+    pub(super) fn points_in(&self, bounds: &Aabb) -> Option<(Coordinate, Coordinate)> {
+        let low = ((bounds.min - self.origin) * self.inv_spacing).ceil().max(Vec3::ZERO);
+        let high = ((bounds.max - self.origin) * self.inv_spacing).floor().min((self.size - 1).as_vec3());
+        low.cmple(high).all().then(|| (low.as_uvec3(), high.as_uvec3()))
+    }
+
     #[inline(always)]
     pub(super) fn brick_index(&self, brick: UVec3) -> usize {
         (brick.x + self.bricks.x * brick.y) as usize + (self.bricks.x * self.bricks.y) as usize * brick.z as usize
@@ -178,6 +185,21 @@ mod tests {
             let (base, frac) = l.cell(p);
             assert!((l.point(base) + frac * 0.25 - p).length() < 1e-5);
         }
+    }
+
+    /// Points are at −1.125, −0.875 … along x.
+    #[test]
+    fn a_box_is_clipped_to_the_lattice() {
+        let l = lattice();
+        let thin = Aabb { min: Vec3::new(-0.9, -9.0, 2.1), max: Vec3::new(-0.8, 0.2, 2.4) };
+        assert_eq!(l.points_in(&thin), Some((UVec3::new(1, 0, 1), UVec3::new(1, 1, 2))));
+        let between = Aabb { min: Vec3::new(-0.8, 0.0, 2.0), max: Vec3::new(-0.7, 4.0, 10.0) };
+        assert_eq!(l.points_in(&between), None);
+        let beyond = Aabb { min: Vec3::splat(20.0), max: Vec3::splat(30.0) };
+        assert_eq!(l.points_in(&beyond), None);
+        assert_eq!(l.points_in(&Aabb::EMPTY), None);
+        let all = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        assert_eq!(l.points_in(&all), Some((UVec3::ZERO, l.size - 1)));
     }
 
     #[test]

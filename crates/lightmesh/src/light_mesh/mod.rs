@@ -7,6 +7,7 @@
 //! settings and the point alone, so it does not matter who asked first.
 
 mod agreement;
+mod ahead;
 mod bounce;
 mod bricks;
 mod clearance;
@@ -33,9 +34,9 @@ mod unbiased_gather;
 mod usable;
 pub(crate) mod wanted;
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
-use crate::{Error, MeshStats, RenderOptions, Scene, Spacing};
+use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
 pub use gathering::{Gathering, LevelValues};
 pub(crate) use indirect::{IndirectField, IndirectReading};
@@ -125,6 +126,30 @@ impl LightMesh {
                 .indirect
                 .as_ref()
                 .map_or(options.bounces == 0, |field| field.serves(options, neighbourhood.of_indirect_light()))
+    }
+
+    /// [`LightMesh::serves`], as an error.
+    pub(crate) fn check_serves(&self, options: &RenderOptions) -> Result<(), Error> {
+        if self.serves(options) {
+            return Ok(());
+        }
+        let what =
+            "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light error";
+        Err(Error::InvalidOption { option: "mesh", what: what.into() })
+    }
+
+    /// Whether points lie all around a place: it is in the scene's box, but for rounding.
+    pub(crate) fn reaches(&self, scene: &Scene, place: Vec3) -> bool {
+        ahead::reaches(scene, self.direct.points().spacing(), place)
+    }
+
+    /// Notes its state in the numbers of a frame that had these options.
+    pub(crate) fn report(&self, options: &RenderOptions, stats: &mut RenderStats) {
+        if options.method.has_mesh() {
+            stats.direct = self.stats();
+            stats.indirect = self.indirect_stats();
+            stats.left_out = self.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
+        }
     }
 
     /// Points of the direct mesh evaluated so far, and their memory.

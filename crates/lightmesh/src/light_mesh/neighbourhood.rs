@@ -5,6 +5,7 @@ use glam::{UVec3, Vec3, Vec4};
 use super::Coordinate;
 use super::bricks::Slot;
 use super::lattice::Lattice;
+use super::probe::ON_SURFACE;
 use crate::integrator::Vertex;
 use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
@@ -62,6 +63,22 @@ impl Neighbourhood {
     /// The same for the indirect field, which has no rules for missing corners: they are said in terms of visibility.
     pub(super) fn of_indirect_light(self) -> Self {
         if matches!(self, Self::TrilinearWith(_)) { Self::Trilinear } else { self }
+    }
+
+    /// The corners of the smallest block of lattice points that holds all that a surface at `p` reads, whichever way it faces.
+    pub(super) fn around(self, lattice: &Lattice, p: Vec3) -> (Coordinate, Coordinate) {
+        let offset = match self {
+            Self::Trilinear => NORMAL_OFFSET,
+            Self::TrilinearWith(_) => ON_SURFACE,
+            Self::Nearest => 0.0,
+            Self::Sphere(ball) => {
+                // The sum is rounded otherwise than the reader's.
+                let r = 1.001 * (ball.radius + ball.lift) * lattice.spacing();
+                return lattice.range(p - r, p + r);
+            }
+        };
+        let offset = offset * lattice.spacing();
+        (lattice.cell(p - offset).0, lattice.cell(p + offset).0 + 1)
     }
 
     /// How many cells beyond the scene's box a reader may look.

@@ -24,6 +24,24 @@ pub(super) struct Address {
     pub coordinate: Coordinate,
 }
 
+/// What points take, bytes each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Costs {
+    /// What the field keeps of a point.
+    pub kept: u64,
+    /// What it holds of a point only while that is being filled.
+    pub passing: u64,
+    /// Points that are being filled already.
+    pub pending: usize,
+}
+
+impl Costs {
+    /// Of points that are filled at once.
+    pub(super) fn kept(kept: u64) -> Self {
+        Self { kept, passing: 0, pending: 0 }
+    }
+}
+
 /// Points of the lattices of all levels, filled as they are asked for; their indices are one sequence.
 #[derive(Debug)]
 pub(crate) struct Points {
@@ -167,9 +185,8 @@ impl Points {
     /// The marked points in brick order; clears the marks.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if they, at `bytes_per_point` for what the field keeps of each, would not fit into `limit`
-    /// bytes; nothing has been allocated.
-    pub(super) fn take(&self, marks: &mut Marks, bytes_per_point: u64, limit: u64) -> Result<Vec<Address>, Error> {
+    /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
+    pub(super) fn take(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
         let (mut wanted, mut new_bricks) = (Vec::new(), 0);
         for (level, marks) in (0..).zip(marks.levels()) {
             let Level { lattice, bricks, .. } = self.level(level);
@@ -178,10 +195,19 @@ impl Points {
             wanted.extend(places.into_iter().map(address));
             new_bricks += new;
         }
-        let points = (self.len() + wanted.len()) as u64;
+        self.check_memory(wanted.len(), new_bricks, costs, limit)?;
+        Ok(wanted)
+    }
+
+    /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
+    pub(super) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
+        let points = (self.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
-        let bytes = 2 * (bytes_per_point + Self::BYTES_PER_POINT);
-        let needed = self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK + points.saturating_mul(bytes);
+        let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);
+        let passing = ((costs.pending + new) as u64).saturating_mul(costs.passing);
+        let needed = (self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK)
+            .saturating_add(points.saturating_mul(bytes))
+            .saturating_add(passing);
         if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
             return Err(Error::OutOfMemory {
                 what: "the light mesh",
@@ -190,7 +216,7 @@ impl Points {
                 advice: "choose a larger --spacing or --indirect-spacing",
             });
         }
-        Ok(wanted)
+        Ok(())
     }
 
     pub(super) const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
@@ -213,6 +239,14 @@ impl Points {
             }
         };
         self.levels[address.level as usize].set(address.coordinate, slot);
+    }
+
+    /// Takes the points from index `first` on back: they are empty again.
+    pub(super) fn forget(&mut self, first: usize) {
+        for address in self.addresses.drain(first..) {
+            self.levels[address.level as usize].set(address.coordinate, Slot::Empty);
+        }
+        self.clearances.truncate(first);
     }
 
     /// Points so far, and the memory of them and of `value_bytes` of values.

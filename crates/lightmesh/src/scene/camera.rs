@@ -6,6 +6,7 @@ use crate::geometry::{Aabb, Cone, Ray};
 
 /// How a camera maps directions to the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Projection {
     /// A pinhole.
     Perspective {
@@ -25,6 +26,7 @@ pub enum Projection {
 
 /// A camera; it looks along its own −Z, +Y is up.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Name in the file; may be empty.
     pub name: String,

@@ -9,6 +9,7 @@ use crate::geometry::{Aabb, Shape, Sphere, TriangleMesh};
 
 /// A mesh placed in the world.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Instance {
     /// Index into [`SceneData::meshes`].
     pub mesh: usize,
@@ -29,6 +30,7 @@ pub struct ShapeEntry {
 ///
 /// It may hold anything; `Scene::new` checks it once and builds what rays need.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneData {
     /// Triangle meshes in object space.
     pub meshes: Vec<TriangleMesh>,
@@ -36,7 +38,8 @@ pub struct SceneData {
     pub instances: Vec<Instance>,
     /// Analytic spheres in world space.
     pub spheres: Vec<Sphere>,
-    /// User-defined surfaces in world space.
+    /// User-defined surfaces in world space; they are not serialised.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub shapes: Vec<ShapeEntry>,
     /// Materials; surfaces refer to them by index.
     pub materials: Vec<Material>,

@@ -7,6 +7,7 @@ use crate::Error;
 
 /// An environment: what rays see that leave the scene.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Environment {
     /// A latitude-longitude map of linear RGB, or `None` for 1 in every direction. Row 0 is up (+Y), the middle of the map is
     /// +X, columns go on towards +Z, as Blender's environment textures do after export to glTF's axes, and three.js':

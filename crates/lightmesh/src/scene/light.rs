@@ -6,6 +6,7 @@ use crate::Falloff;
 
 /// A light without extent. Colours are linear RGB and already multiplied by the intensity.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Light {
     /// Shines alike in every direction.
     Point {

@@ -6,6 +6,7 @@ use super::TextureRef;
 
 /// How the base colour's alpha is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
@@ -38,6 +39,7 @@ pub enum AlphaMode {
 ///
 /// Both sides of a surface shade and block light alike.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Name in the file, for messages; may be empty.
     pub name: String,

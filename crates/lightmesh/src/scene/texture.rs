@@ -6,6 +6,7 @@ use glam::{Mat2, Vec2, Vec4};
 
 /// Texels of an image, row by row from the upper left corner.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Texels {
     /// 8 bits per channel, RGBA; colours are sRGB-encoded or linear as their use says.
     Rgba8(Arc<[[u8; 4]]>),
@@ -15,6 +16,7 @@ pub enum Texels {
 
 /// A decoded image.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImageData {
     /// Name or URI, for messages; may be empty.
     pub name: String,
@@ -28,6 +30,7 @@ pub struct ImageData {
 
 /// What happens outside [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wrap {
     /// The image repeats.
     #[default]
@@ -40,6 +43,7 @@ pub enum Wrap {
 
 /// How texels are combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Filter {
     /// The four nearest, weighted.
     #[default]
@@ -50,6 +54,7 @@ pub enum Filter {
 
 /// An image with its sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Texture {
     /// Index into [`SceneData::images`](crate::SceneData::images).
     pub image: usize,
@@ -64,6 +69,7 @@ pub struct Texture {
 
 /// KHR_texture_transform: `uv' = translation · rotation · scale · uv`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UvTransform {
     /// The linear part.
     pub matrix: Mat2,
@@ -93,6 +99,7 @@ impl UvTransform {
 
 /// A material's reference to a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureRef {
     /// Index into [`SceneData::textures`](crate::SceneData::textures).
     pub texture: usize,

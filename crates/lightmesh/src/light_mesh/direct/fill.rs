@@ -18,7 +18,7 @@ impl DirectField {
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
-        let wanted = self.points.take(marks, self.value_bytes(), self.max_memory)?;
+        let wanted = self.points.take(marks, self.costs(), self.max_memory)?;
         let mut rays = RayCounts::default();
         if !matches!(self.field, Field::Scalar { scale: PaperScale::Constant, .. }) {
             rays.secondary = PROBE_RAYS * wanted.len() as u64;
