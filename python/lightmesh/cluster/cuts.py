@@ -31,13 +31,18 @@ def cut_bricks(bricks: Array, tasks: int) -> list[Array]:
     """
     if len(bricks) == 0:
         return []
-    before = numpy.concatenate(([0], numpy.cumsum(count_points(bricks))))
+    before = numpy.concatenate(([0], numpy.cumsum(_points(bricks))))
     targets = before[-1] * numpy.arange(1, tasks) / tasks
     bounds = numpy.unique(numpy.concatenate(([0], numpy.searchsorted(before, targets), [len(bricks)])))
     return [bricks[first:last] for first, last in zip(bounds, bounds[1:])]
 
 
-def count_points(bricks: Array) -> Array:
+def count_points(bricks: Array) -> int:
+    """How many points are wanted of all bricks."""
+    return int(_points(bricks).sum())
+
+
+def _points(bricks: Array) -> Array:
     """How many points are wanted of each brick."""
     words = numpy.ascontiguousarray(bricks[:, 1:])
     return numpy.unpackbits(words.view(numpy.uint8), axis=1).sum(axis=1, dtype=numpy.int64)

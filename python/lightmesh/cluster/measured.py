@@ -38,6 +38,7 @@ class Measured:
             "stage": stage,
             "task": task.name,
             "units": task.units,
+            "pieces": task.pieces,
             "node": outcome.node,
             "process": outcome.process,
             "ended": time.perf_counter() - self._started,
@@ -51,9 +52,10 @@ class Measured:
         self.tasks.append(took)
         return took
 
-    def share(self, size: int) -> None:
-        """Adds something that was shared."""
+    def share(self, size: int) -> dict[str, Any]:
+        """Adds something that was shared; how it is written down."""
         self.shared_bytes.append((self._stage, size))
+        return {"stage": self._stage, "shared_bytes": size}
 
     def workers(self) -> list[dict[str, Any]]:
         """By worker process: its tasks, seconds and bytes, and the most memory that it had."""

@@ -44,6 +44,11 @@ class _Group:
     bricks: Array
     home: str | None = None
 
+    @property
+    def points(self) -> int:
+        """How many there are."""
+        return count_points(self.bricks)
+
 
 class Plan:
     """One job on its way."""
@@ -130,9 +135,8 @@ class Plan:
 
     def _wave_task(self, kind: Any, frame: int, first: int, last: int, shared: tuple[Shared, ...] = ()) -> Task:
         name = f"frame {frame} {kind} {first}-{last - 1}"
-        arguments = (frame, first, last)
-        contents = tuple(self._contents)
-        return Task(kind, name, f"{kind}-{frame}-{first}-{last}", arguments, last - first, contents, shared)
+        key, count = f"{kind}-{frame}-{first}-{last}", last - first
+        return Task(kind, name, key, (frame, first, last), count, count, tuple(self._contents), shared)
 
     def _demand(self, level: int) -> tuple[Array, Array]:
         contents = tuple(self._contents)
@@ -142,6 +146,7 @@ class Plan:
                 f"frame {frame} demand of waves {first}-{last - 1}",
                 f"demand-{level}-{frame}-{first}-{last}",
                 (frame, first, last),
+                last - first,
                 last - first,
                 contents,
             )
@@ -160,8 +165,15 @@ class Plan:
             self._indirect = join_bricks([self._indirect, new])
             more = {name: _Group(name, label, part) for name, label, part in self._cut(new)}
             tasks = [
-                Task("gather", f"gather {group.label}", f"gather-{group.name}", (group.name, group.bricks), points)
-                for group, points in ((group, int(count_points(group.bricks).sum())) for group in more.values())
+                Task(
+                    "gather",
+                    f"gather {group.label}",
+                    f"gather-{group.name}",
+                    (group.name, group.bricks),
+                    group.points,
+                    len(group.bricks),
+                )
+                for group in more.values()
             ]
             indirect: list[Array] = []
             for task, result, node in self._finish("gather", deque(tasks)):
@@ -177,7 +189,7 @@ class Plan:
         self._direct = join_bricks([self._direct, new])
         contents = tuple(self._contents)
         tasks = [
-            Task("fill", f"fill {label}", f"fill-{name}", (part,), int(count_points(part).sum()), contents)
+            Task("fill", f"fill {label}", f"fill-{name}", (part,), count_points(part), len(part), contents)
             for name, label, part in self._cut(new)
         ]
         self._add_contents([result for _, result, _ in self._finish("fill", deque(tasks))])
@@ -198,7 +210,8 @@ class Plan:
                     f"bounce {k} {group.label}",
                     f"bounce-{k}-{group.name}",
                     (group.name, group.bricks, k, is_last),
-                    int(count_points(group.bricks).sum()),
+                    group.points,
+                    len(group.bricks),
                     contents,
                     tuple(below),
                     group.home,
@@ -221,7 +234,9 @@ class Plan:
             self._contents.append(self._share(joined, size_of(joined)))
 
     def _share(self, value: Any, size: int) -> Shared:
-        self.measured.share(size)
+        note = self.measured.share(size)
+        if self._folder is not None:
+            self._folder.note(note)
         return self._executor.share(value, size)
 
     def _cut(self, bricks: Array) -> Iterator[tuple[str, str, Array]]:

@@ -38,6 +38,8 @@ class Task:
     """Those of the worker's function of its kind."""
     units: int
     """How much it is: waves of samples, or mesh points."""
+    pieces: int
+    """Into how many tasks it could be cut: waves, or bricks."""
     contents: tuple[Shared, ...] = ()
     """The light mesh as far as it is filled, in the order in which it was. What is missing of it is filled by the task itself."""
     shared: tuple[Shared, ...] = ()
