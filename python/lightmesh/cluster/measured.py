@@ -19,23 +19,24 @@ class Measured:
         """The stages in their order, and how long each lasted."""
         self.shared_bytes: list[tuple[str, int]] = []
         """What was shared after a stage, for all workers."""
-        self._started = time.perf_counter()
-        self._stage = ""
+        self._started = self._ended = time.perf_counter()
+        self._stage, self._barrier = "", 0
 
     @contextmanager
-    def stage(self, stage: str) -> Iterator[None]:
-        """Counts the time of a stage."""
+    def stage(self, stage: str) -> Iterator[dict[str, Any]]:
+        """Counts the time of a stage that begins behind a barrier; how its beginning is written down."""
         started = time.perf_counter()
-        self._stage = stage
-        try:
-            yield
-        finally:
-            self.stage_seconds.append((stage, time.perf_counter() - started))
+        self._stage, self._barrier = stage, self._barrier + 1
+        # Since the last one nothing was done but here
+        yield {"stage": stage, "barrier": self._barrier, "between_seconds": started - self._ended}
+        self._ended = time.perf_counter()
+        self.stage_seconds.append((stage, self._ended - started))
 
     def add(self, stage: str, task: Task, outcome: Outcome) -> dict[str, Any]:
         """Adds a task; how it is written down."""
         took = {
             "stage": stage,
+            "barrier": self._barrier,
             "task": task.name,
             "units": task.units,
             "pieces": task.pieces,
@@ -55,7 +56,7 @@ class Measured:
     def share(self, size: int) -> dict[str, Any]:
         """Adds something that was shared; how it is written down."""
         self.shared_bytes.append((self._stage, size))
-        return {"stage": self._stage, "shared_bytes": size}
+        return {"stage": self._stage, "barrier": self._barrier, "shared_bytes": size}
 
     def workers(self) -> list[dict[str, Any]]:
         """By worker process: its tasks, seconds and bytes, and the most memory that it had."""

@@ -272,7 +272,9 @@ class Plan:
                     yield task, result, None
 
         self._report(stage, self._done, self._total, self._rays)
-        with self.measured.stage(stage):
+        with self.measured.stage(stage) as began:
+            if folder is not None:
+                folder.note(began)
             while queue:
                 for task, outcome in self._executor.run(self._job, next_task):
                     took = self.measured.add(stage, task, outcome)

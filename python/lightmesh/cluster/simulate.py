@@ -62,6 +62,8 @@ def predict(trace: Trace, machines: Machines, times: float = 1.0) -> Prediction:
     clock, work, busy, sharing, setup = 0.0, 0.0, 0.0, 0.0, 0.0
     shared = trace.scene_bytes
     for stage in trace.stages:
+        clock += stage.between_seconds
+        busy += stage.between_seconds
         arrivals = _share(shared, machines)
         sharing += max(arrivals)
         of_waves = times if stage.name in ("demand", "render") else 1.0

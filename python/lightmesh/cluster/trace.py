@@ -25,6 +25,8 @@ class Stage:
     """Of each task's result."""
     setups: dict[tuple[str, int], float] = field(default_factory=dict)
     """By worker process: seconds for the scene and for taking over the mesh."""
+    between_seconds: float = 0.0
+    """Since the stage before, of the process that hands tasks out."""
     shared_bytes: float = 0.0
     """What all workers get when the stage has ended."""
     fixed_seconds: float = 0.0
@@ -65,8 +67,9 @@ class Trace:
         scene_bytes = 0.0
         for line in (folder / "tasks.jsonl").read_text(encoding="utf-8").splitlines():
             entry = json.loads(line)
-            if not stages or stages[-1].name != entry["stage"]:
-                stages.append(Stage(entry["stage"]))
+            if "between_seconds" in entry:
+                stages.append(Stage(entry["stage"], between_seconds=entry["between_seconds"]))
+                continue
             stage = stages[-1]
             if "shared_bytes" in entry:
                 stage.shared_bytes += entry["shared_bytes"]
