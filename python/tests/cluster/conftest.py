@@ -34,7 +34,7 @@ def cluster() -> Iterator[str]:
     pytest.importorskip("ray", reason="needs Ray: pip install 'lightmesh[ray]'")
     from ray.cluster_utils import Cluster
 
-    node = {"object_store_memory": 100 << 20, "include_dashboard": False}
+    node = {"object_store_memory": 100 << 20, "include_dashboard": False, "node_ip_address": "127.0.0.1"}
     made = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, **node})
     for _ in range(2):
         made.add_node(num_cpus=1, **node)
