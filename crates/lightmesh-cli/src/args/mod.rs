@@ -19,10 +19,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub use self::emitters::EmitterArgs;
 pub(crate) use self::{
-    emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure,
-    interpolation::spell as spell_interpolation, method::name as method_name, render::RenderArgs,
-    reproduce::ReproduceArgs, weight::name as weight_name,
+    environment::EnvironmentArg, exposure::Exposure, interpolation::spell as spell_interpolation,
+    method::name as method_name, render::RenderArgs, reproduce::ReproduceArgs, weight::name as weight_name,
 };
 
 /// Renders scenes lit by many lights, with light meshes.
