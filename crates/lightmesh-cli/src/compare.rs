@@ -14,31 +14,13 @@ use serde::Serialize;
 
 use crate::{args::CompareArgs, exit::Failure, terminal};
 
-/// How far a picture is from its reference.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Comparison {
-    /// √(mean over pixels and channels of (a − b)²) / mean(b), linear values.
-    pub relrmse: f64,
-    /// mean(a) / mean(b) − 1.
-    pub bias: f64,
-    /// The largest |a − b| of a channel.
-    pub max: f64,
-    /// Mean FLIP error, 0 to 1, of what a display shows: EXR files as `render` writes a PNG, exposed as the reference would be.
-    pub flip: f64,
-}
-
-impl Comparison {
-    /// Compares `a` with the reference `b`.
-    ///
-    /// # Panics
-    /// If their sizes differ.
-    pub fn of(a: &Picture, b: &Picture) -> Self {
-        let d = difference(&a.image.pixels, &b.image.pixels);
-        let ev = auto_exposure(&b.image.pixels);
-        let (width, height) = (b.image.width as usize, b.image.height as usize);
-        let flip = flip(&shown(a, ev), &shown(b, ev), width, height, FLIP_PIXELS_PER_DEGREE);
-        Self { relrmse: d.relrmse, bias: d.bias, max: d.max, flip }
-    }
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Comparison {
+    relrmse: f64,
+    bias: f64,
+    max: f64,
+    flip: f64,
 }
 
 /// Compares two pictures of the same size.
@@ -56,7 +38,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
             "{name} holds exposed, tone-mapped light: compared with cd/m², only flip means much"
         ));
     }
-    let comparison = Comparison::of(&a, &b);
+    let d = difference(&a.image.pixels, &b.image.pixels);
+    let comparison = Comparison { relrmse: d.relrmse, bias: d.bias, max: d.max, flip: visible_difference(&a, &b) };
     let text = if args.json {
         serde_json::to_string_pretty(&comparison).map_err(Failure::work)?
     } else {
@@ -64,6 +47,17 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         format!("relrmse  {relrmse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}")
     };
     terminal::print(&text).map_err(Failure::work)
+}
+
+/// The mean FLIP error, 0 to 1, of `a` to the reference `b`: what light of a scene is shown as `render` writes a PNG, exposed as the
+/// reference would be.
+///
+/// # Panics
+/// If their sizes differ.
+pub fn visible_difference(a: &Picture, b: &Picture) -> f64 {
+    let ev = auto_exposure(&b.image.pixels);
+    let (width, height) = (b.image.width as usize, b.image.height as usize);
+    flip(&shown(a, ev), &shown(b, ev), width, height, FLIP_PIXELS_PER_DEGREE)
 }
 
 fn read(path: &Path) -> Result<Picture, Failure> {

@@ -26,13 +26,13 @@ use clap::Parser;
 
 use crate::args::{Cli, Command};
 pub use crate::{
-    args::EmitterArgs,
+    args::{EmitterArgs, Exposure, method_name, parse_exposure},
     camera_choice::{choose as choose_camera, height_for},
-    compare::Comparison,
+    compare::visible_difference,
     environment::{apply as apply_environment, read as read_environment},
     keywords::{Keyword, KeywordError, Keywords, keywords},
     settings::json as settings_json,
-    stats::Stats,
+    stats::{MeshesStats, Stats},
 };
 
 /// Name and version of the program, as picture files carry it.

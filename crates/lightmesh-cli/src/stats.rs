@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lightmesh::{MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
+use lightmesh::{LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
 use serde::Serialize;
 
 use crate::args::method_name;
@@ -124,9 +124,16 @@ impl From<RayCounts> for RayStats {
 
 /// Both meshes.
 #[derive(Debug, Serialize)]
-struct MeshesStats {
+pub struct MeshesStats {
     direct: OneMeshStats,
     indirect: OneMeshStats,
+}
+
+impl MeshesStats {
+    /// Those of a light mesh as it is.
+    pub fn of(mesh: &LightMesh) -> Self {
+        Self { direct: mesh.stats().into(), indirect: mesh.indirect_stats().into() }
+    }
 }
 
 impl From<&RenderStats> for MeshesStats {

@@ -19,10 +19,14 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub use self::emitters::EmitterArgs;
+pub use self::{
+    emitters::EmitterArgs,
+    exposure::{Exposure, parse as parse_exposure},
+    method::name as method_name,
+};
 pub(crate) use self::{
-    environment::EnvironmentArg, exposure::Exposure, interpolation::spell as spell_interpolation,
-    method::name as method_name, render::RenderArgs, reproduce::ReproduceArgs, weight::name as weight_name,
+    environment::EnvironmentArg, interpolation::spell as spell_interpolation, render::RenderArgs,
+    reproduce::ReproduceArgs, weight::name as weight_name,
 };
 
 /// Renders scenes lit by many lights, with light meshes.
