@@ -61,17 +61,28 @@ impl IndirectField {
     /// Evaluates the marked points and all that they depend on, and clears the marks.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
+    /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`]. The points that are there then are those of before.
     pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
-        let first = self.points.len();
+        let (first, hit_irradiance) = (self.points.len(), self.hit_irradiance);
+        let gathered = self.gather_all(direct, marks).inspect_err(|_| {
+            // Points without levels cannot be read.
+            self.points.forget(first);
+            self.hit_irradiance = hit_irradiance;
+        })?;
+        self.bounce(direct.scene, first, gathered);
+        let seconds = &mut direct.stats.seconds;
+        seconds.fill_indirect += started.elapsed().as_secs_f64() - (seconds.fill_direct - direct_before);
+        Ok(())
+    }
+
+    /// What the marked points gather, and those that their hits ask for, until they are all there.
+    fn gather_all(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<Gathered, Error> {
         let directions = sphere_directions(self.gather_rays);
         let mut gathers: Vec<Gather> = Vec::new();
         let mut gathered = Gathered::default();
-
-        // Hits of new points ask for further points, until they are all there.
+        let mut next = self.points.len();
         self.probe(direct, marks)?;
-        let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
             gathers.resize_with(gathers.len().max(end - next), Gather::default);
@@ -83,10 +94,7 @@ impl IndirectField {
                 return Err(Error::Cancelled);
             }
         }
-        self.bounce(direct.scene, first, gathered);
-        let seconds = &mut direct.stats.seconds;
-        seconds.fill_indirect += started.elapsed().as_secs_f64() - (seconds.fill_direct - direct_before);
-        Ok(())
+        Ok(gathered)
     }
 
     /// Finds out which of the marked points are inside solids, and gives the others their index.

@@ -202,6 +202,14 @@ impl Points {
         self.levels[address.level as usize].set(address.coordinate, slot);
     }
 
+    /// Makes the filled points from index `first` on empty again.
+    pub(super) fn forget(&mut self, first: usize) {
+        for address in self.addresses.drain(first..) {
+            self.levels[address.level as usize].set(address.coordinate, Slot::Empty);
+        }
+        self.clearances.truncate(first);
+    }
+
     /// Points so far, and the memory of them and of `value_bytes` of values.
     pub(super) fn stats(&self, value_bytes: u64) -> MeshStats {
         let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > 0).count();
