@@ -7,7 +7,7 @@ use lightmesh::{Camera, SceneData};
 ///
 /// # Errors
 /// If there is no such camera; says which there are.
-pub(crate) fn choose(data: &SceneData, wanted: Option<&str>) -> Result<(Camera, Option<String>), anyhow::Error> {
+pub fn choose(data: &SceneData, wanted: Option<&str>) -> Result<(Camera, Option<String>), anyhow::Error> {
     let cameras = &data.cameras;
     let Some(wanted) = wanted else {
         return Ok(match cameras.first() {
@@ -32,7 +32,7 @@ pub(crate) fn choose(data: &SceneData, wanted: Option<&str>) -> Result<(Camera, 
 }
 
 /// The height of a picture `width` pixels wide that has the camera's aspect; at least 1.
-pub(crate) fn height_for(camera: &Camera, width: u32) -> u32 {
+pub fn height_for(camera: &Camera, width: u32) -> u32 {
     // The cast saturates; a height that no memory holds is refused with the sizes.
     ((f64::from(width) / f64::from(camera.aspect())).round() as u32).max(1)
 }

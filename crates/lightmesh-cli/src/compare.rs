@@ -39,10 +39,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         ));
     }
     let d = difference(&a.image.pixels, &b.image.pixels);
-    let ev = auto_exposure(&b.image.pixels);
-    let (width, height) = (b.image.width as usize, b.image.height as usize);
-    let flip = flip(&shown(&a, ev), &shown(&b, ev), width, height, FLIP_PIXELS_PER_DEGREE);
-    let comparison = Comparison { relrmse: d.relrmse, bias: d.bias, max: d.max, flip };
+    let comparison = Comparison { relrmse: d.relrmse, bias: d.bias, max: d.max, flip: visible_difference(&a, &b) };
     let text = if args.json {
         serde_json::to_string_pretty(&comparison).map_err(Failure::work)?
     } else {
@@ -50,6 +47,17 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
         format!("relrmse  {relrmse:.6}\nbias     {bias:+.6}\nmax      {max:.6}\nflip     {flip:.6}")
     };
     terminal::print(&text).map_err(Failure::work)
+}
+
+/// The mean FLIP error, 0 to 1, of `a` to the reference `b`: what light of a scene is shown as `render` writes a PNG, exposed as the
+/// reference would be.
+///
+/// # Panics
+/// If their sizes differ.
+pub fn visible_difference(a: &Picture, b: &Picture) -> f64 {
+    let ev = auto_exposure(&b.image.pixels);
+    let (width, height) = (b.image.width as usize, b.image.height as usize);
+    flip(&shown(a, ev), &shown(b, ev), width, height, FLIP_PIXELS_PER_DEGREE)
 }
 
 fn read(path: &Path) -> Result<Picture, Failure> {

@@ -3,22 +3,22 @@
 use glam::{Quat, Vec3};
 use lightmesh::{Environment, SceneData, soft_environment};
 
-use crate::{
-    args::{EmitterArgs, EnvironmentArg},
-    exit::Failure,
-};
+use crate::args::{EmitterArgs, EnvironmentArg};
 
 /// What `--environment` names, read; `None` where it is not given. Warnings go to `warn`.
-pub(crate) fn read(
+///
+/// # Errors
+/// What [`lightmesh_io::read_environment`] says of a map.
+pub fn read(
     args: &EmitterArgs,
     max_memory: u64,
     mut warn: impl FnMut(&str),
-) -> Result<Option<Environment>, Failure> {
+) -> Result<Option<Environment>, lightmesh_io::Error> {
     let (map, radiance) = match &args.environment {
         None => return Ok(None),
         Some(EnvironmentArg::Color(color)) => (None, *color),
         Some(EnvironmentArg::File(path)) => {
-            let read = lightmesh_io::read_environment(path, max_memory).map_err(Failure::input)?;
+            let read = lightmesh_io::read_environment(path, max_memory)?;
             read.warnings.iter().for_each(|w| warn(w));
             (Some(read.map), Vec3::ONE)
         }
@@ -28,7 +28,7 @@ pub(crate) fn read(
 
 /// Gives the scene the environment that was asked for; else leaves it its own; else, where nothing shines, a soft one. Then
 /// strength and rotation. Returns what there is to warn about.
-pub(crate) fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &EmitterArgs) -> Vec<String> {
+pub fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &EmitterArgs) -> Vec<String> {
     let mut warnings = Vec::new();
     if asked_for.is_some() {
         data.environment = asked_for;

@@ -2,8 +2,6 @@
 //!
 //! 0 done; 1 failed while working; 2 bad input or usage; 130 interrupted.
 
-use std::process::ExitCode;
-
 use clap::error::ErrorKind;
 
 use crate::terminal;
@@ -42,14 +40,14 @@ impl Failure {
     }
 
     /// Says it on stderr, in one line with its chain of causes, and gives the exit code.
-    pub(crate) fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> u8 {
         let code = match self {
             Self::Input(_) => 2,
             Self::Work(_) => 1,
-            Self::Interrupted => return ExitCode::from(INTERRUPTED),
+            Self::Interrupted => return INTERRUPTED,
         };
         terminal::error(&self.message());
-        ExitCode::from(code)
+        code
     }
 }
 
@@ -64,16 +62,16 @@ impl From<lightmesh::Error> for Failure {
 }
 
 /// Help and version on stdout; a usage error in one line on stderr.
-pub(crate) fn usage(error: &clap::Error) -> ExitCode {
+pub(crate) fn usage(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             // A closed pipe is no failure of ours.
             let _ = error.print();
-            ExitCode::from(u8::from(error.use_stderr()) * 2)
+            u8::from(error.use_stderr()) * 2
         }
         _ => {
             terminal::error(&one_line(&error.render().to_string()));
-            ExitCode::from(2)
+            2
         }
     }
 }

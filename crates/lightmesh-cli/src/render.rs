@@ -7,6 +7,7 @@ use lightmesh::{Camera, Environment, LightMesh, Progress, RenderOptions, RenderS
 use lightmesh_io::output::{Metadata, Precision};
 
 use crate::{
+    SOFTWARE,
     args::{EmitterArgs, RenderArgs, method_name},
     camera_choice, environment,
     exit::Failure,
@@ -15,7 +16,7 @@ use crate::{
     preview::Preview,
     progress::Bar,
     settings,
-    stats::{self, ImageStats, SecondsStats, Stats},
+    stats::Stats,
     terminal,
 };
 
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let bar = Bar::new(args.quiet, args.time_limit);
 
     // Read the environment, which fails sooner, and the scene.
-    let asked_for = environment::read(&args.emitters, options.max_memory, warn)?;
+    let asked_for = environment::read(&args.emitters, options.max_memory, warn).map_err(Failure::input)?;
     bar.spin("reading the scene");
     let loaded = lightmesh_io::load(&args.scene, &args.load_options()).map_err(Failure::input);
     bar.clear();
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     check_memory(args, &options)?;
     let mut metadata = Metadata {
-        software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
+        software: SOFTWARE.to_owned(),
         method: method_name(options.method).to_owned(),
         scene: args.scene.display().to_string(),
         settings: settings::json(&options, &args.emitters, args.load_options().units, &camera.name),
@@ -103,30 +104,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let ev = args.exposure.for_picture(&frame.image);
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
-    let stats = Stats {
-        version: env!("CARGO_PKG_VERSION"),
-        method: method_name(options.method),
-        scene: metadata.scene,
-        threads: rayon::current_num_threads(),
-        image: ImageStats { width: options.width, height: options.height, spp: frame.stats.spp },
-        time_limit_reached: frame.stats.time_limit_reached,
-        triangles: scene.triangle_count(),
-        lights: scene.data().lights.len() as u64,
-        light_samples: scene.light_sample_count(),
-        seconds: SecondsStats {
-            load: load.as_secs_f64(),
-            build: build.as_secs_f64(),
-            output: output_start.elapsed().as_secs_f64(),
-            total: start.elapsed().as_secs_f64(),
-            ..SecondsStats::of(&frame.stats)
-        },
-        rays: frame.stats.rays.into(),
-        mesh: (&frame.stats).into(),
-        fallbacks: (&frame.stats).into(),
-        energy_left_out: frame.stats.left_out,
-        estimated_error: frame.stats.estimated_error,
-        peak_memory_bytes: stats::peak_memory_bytes(),
-    };
+    let stats = Stats::new(metadata.scene, &scene, &options, &frame.stats);
+    let stats = stats.with_seconds(load, build, output_start.elapsed(), start.elapsed());
     let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;
     let stats_file = outputs.stage_stats(&(json + "\n"))?;
     stop_if_interrupted()?;

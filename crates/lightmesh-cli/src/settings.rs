@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::args::{EmitterArgs, EnvironmentArg, method_name, spell_interpolation, weight_name};
 
 /// A JSON object with every option, spelled as the command line spells it.
-pub(crate) fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
+pub fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
     let RenderOptions {
         method,
         width,

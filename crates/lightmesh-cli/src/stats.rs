@@ -1,59 +1,96 @@
 //! `--stats`: what a render took, as JSON.
 
-use lightmesh::{MeshStats, RayCounts, RenderStats};
+use std::time::Duration;
+
+use lightmesh::{LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
 use serde::Serialize;
+
+use crate::args::method_name;
 
 /// The whole document; keys in this order.
 #[derive(Debug, Serialize)]
-pub(crate) struct Stats {
-    pub(crate) version: &'static str,
-    pub(crate) method: &'static str,
-    pub(crate) scene: String,
-    pub(crate) threads: usize,
-    pub(crate) image: ImageStats,
+pub struct Stats {
+    version: &'static str,
+    method: &'static str,
+    scene: String,
+    threads: usize,
+    image: ImageStats,
     /// Whether `--time-limit` ended the render before all samples were taken.
-    pub(crate) time_limit_reached: bool,
-    pub(crate) triangles: u64,
-    pub(crate) lights: u64,
-    pub(crate) light_samples: u64,
-    pub(crate) seconds: SecondsStats,
-    pub(crate) rays: RayStats,
-    pub(crate) mesh: MeshesStats,
-    pub(crate) fallbacks: FallbackStats,
+    time_limit_reached: bool,
+    triangles: u64,
+    lights: u64,
+    light_samples: u64,
+    seconds: SecondsStats,
+    rays: RayStats,
+    mesh: MeshesStats,
+    fallbacks: FallbackStats,
     /// What more bounces would add, as a part of all light; `null` where nothing is known of it.
-    pub(crate) energy_left_out: Option<f64>,
+    energy_left_out: Option<f64>,
     /// Where `--error` asked for one; 0: the light is exact.
-    pub(crate) estimated_error: Option<f64>,
-    pub(crate) peak_memory_bytes: u64,
+    estimated_error: Option<f64>,
+    peak_memory_bytes: u64,
+}
+
+impl Stats {
+    /// What is known of a finished frame of the scene with this name, taken in the current thread pool; the seconds around the
+    /// render are still 0.
+    pub fn new(name: String, scene: &Scene, options: &RenderOptions, frame: &RenderStats) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            method: method_name(options.method),
+            scene: name,
+            threads: rayon::current_num_threads(),
+            image: ImageStats { width: options.width, height: options.height, spp: frame.spp },
+            time_limit_reached: frame.time_limit_reached,
+            triangles: scene.triangle_count(),
+            lights: scene.data().lights.len() as u64,
+            light_samples: scene.light_sample_count(),
+            seconds: SecondsStats::of(frame),
+            rays: frame.rays.into(),
+            mesh: frame.into(),
+            fallbacks: frame.into(),
+            energy_left_out: frame.left_out,
+            estimated_error: frame.estimated_error,
+            peak_memory_bytes: peak_memory_bytes(),
+        }
+    }
+
+    /// Adds the times around the render: reading, building, writing, and all together.
+    pub fn with_seconds(mut self, load: Duration, build: Duration, output: Duration, total: Duration) -> Self {
+        let seconds = &mut self.seconds;
+        (seconds.load, seconds.build) = (load.as_secs_f64(), build.as_secs_f64());
+        (seconds.output, seconds.total) = (output.as_secs_f64(), total.as_secs_f64());
+        self
+    }
 }
 
 /// The picture.
 #[derive(Debug, Serialize)]
-pub(crate) struct ImageStats {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
+struct ImageStats {
+    width: u32,
+    height: u32,
     /// Those that every pixel has.
-    pub(crate) spp: u32,
+    spp: u32,
 }
 
 /// Wall-clock seconds.
 #[derive(Debug, Serialize)]
-pub(crate) struct SecondsStats {
-    pub(crate) load: f64,
-    pub(crate) build: f64,
-    pub(crate) primary: f64,
-    pub(crate) demand: f64,
-    pub(crate) fill_direct: f64,
-    pub(crate) fill_indirect: f64,
-    pub(crate) shade: f64,
-    pub(crate) render: f64,
-    pub(crate) output: f64,
-    pub(crate) total: f64,
+struct SecondsStats {
+    load: f64,
+    build: f64,
+    primary: f64,
+    demand: f64,
+    fill_direct: f64,
+    fill_indirect: f64,
+    shade: f64,
+    render: f64,
+    output: f64,
+    total: f64,
 }
 
 impl SecondsStats {
     /// The renderer's seconds; those around it are still 0.
-    pub(crate) fn of(stats: &RenderStats) -> Self {
+    fn of(stats: &RenderStats) -> Self {
         let s = stats.seconds;
         Self {
             load: 0.0,
@@ -72,7 +109,7 @@ impl SecondsStats {
 
 /// Rays by purpose.
 #[derive(Debug, Serialize)]
-pub(crate) struct RayStats {
+struct RayStats {
     primary: u64,
     shadow: u64,
     gather: u64,
@@ -87,9 +124,16 @@ impl From<RayCounts> for RayStats {
 
 /// Both meshes.
 #[derive(Debug, Serialize)]
-pub(crate) struct MeshesStats {
+pub struct MeshesStats {
     direct: OneMeshStats,
     indirect: OneMeshStats,
+}
+
+impl MeshesStats {
+    /// Those of a light mesh as it is.
+    pub fn of(mesh: &LightMesh) -> Self {
+        Self { direct: mesh.stats().into(), indirect: mesh.indirect_stats().into() }
+    }
 }
 
 impl From<&RenderStats> for MeshesStats {
@@ -100,7 +144,7 @@ impl From<&RenderStats> for MeshesStats {
 
 /// Surface points at which no point of a mesh could be read: shadow rays, or gather rays, were shot instead.
 #[derive(Debug, Serialize)]
-pub(crate) struct FallbackStats {
+struct FallbackStats {
     direct: u64,
     indirect: u64,
 }
@@ -136,7 +180,7 @@ impl From<MeshStats> for OneMeshStats {
 }
 
 /// The most memory that this process has held, bytes, from Linux' /proc (VmHWM); 0 on other systems.
-pub(crate) fn peak_memory_bytes() -> u64 {
+fn peak_memory_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_mark(&status)).unwrap_or(0)
 }
 

@@ -4,6 +4,7 @@ mod common;
 
 use common::*;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::Vec3;
 use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, Stage, render};
@@ -71,6 +72,38 @@ fn cancelling_ends_every_method() {
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         let result = render(&scene, &room_camera(), &options, &mut mesh, &Stop);
         assert!(matches!(result, Err(Error::Cancelled)), "{method:?}");
+    }
+}
+
+/// Says that the work should stop from the n-th time on that it is asked.
+struct StopAt(AtomicU32);
+
+impl Progress for StopAt {
+    fn cancelled(&self) -> bool {
+        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| Some(n.saturating_sub(1))) == Ok(0)
+    }
+}
+
+/// Wherever a frame was stopped, the next one with its mesh is the picture.
+#[test]
+fn a_mesh_outlives_frames_that_were_cancelled() {
+    let scene = Scene::new(room()).expect("scene");
+    for method in [Method::Mesh, Method::Paper, Method::Hybrid] {
+        let options = RenderOptions { bounces: 2, gather_rays: 32, ..options(method) };
+        let truth = shoot(&scene, &room_camera(), &options).image;
+        let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
+        let mut cancelled = 0;
+        for n in 0..32 {
+            let stop = StopAt(AtomicU32::new(1 << n));
+            match render(&scene, &room_camera(), &options, &mut mesh, &stop) {
+                Err(Error::Cancelled) => cancelled += 1,
+                other => {
+                    assert_eq!(other.expect("frame").image, truth, "{method:?}");
+                    break;
+                }
+            }
+        }
+        assert!(cancelled > 3, "{method:?}: {cancelled}");
     }
 }
 

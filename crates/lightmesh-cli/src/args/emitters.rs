@@ -6,8 +6,8 @@ use lightmesh::EmitterOptions;
 use super::environment::{self, EnvironmentArg};
 
 /// Defaults are those of [`EmitterOptions`]; a test holds them together.
-#[derive(Debug, Args)]
-pub(crate) struct EmitterArgs {
+#[derive(Clone, Debug, PartialEq, Args)]
+pub struct EmitterArgs {
     /// Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its middle is +X, its top
     /// +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)
     #[arg(long, value_name = "FILE|COLOUR", value_parser = environment::parse, allow_hyphen_values = true, help_heading = "Emitters")]
@@ -28,7 +28,7 @@ pub(crate) struct EmitterArgs {
 
 impl EmitterArgs {
     /// The library's options.
-    pub(crate) fn options(&self) -> EmitterOptions {
+    pub fn options(&self) -> EmitterOptions {
         EmitterOptions { light_samples: self.light_samples, light_radius: self.light_radius }
     }
 }

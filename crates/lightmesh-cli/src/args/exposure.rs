@@ -5,7 +5,7 @@ use lightmesh_io::output::auto_exposure;
 
 /// How bright a PNG shows the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Exposure {
+pub enum Exposure {
     /// Chosen from the picture.
     Auto,
     /// Luminance times 2 to this power.
@@ -14,7 +14,7 @@ pub(crate) enum Exposure {
 
 impl Exposure {
     /// The exposure of this picture, in EV.
-    pub(crate) fn for_picture(self, picture: &Image) -> f32 {
+    pub fn for_picture(self, picture: &Image) -> f32 {
         match self {
             Self::Auto => auto_exposure(&picture.pixels),
             Self::Ev(ev) => ev,
@@ -23,7 +23,10 @@ impl Exposure {
 }
 
 /// Parses a number between −64 and 64, or `auto`.
-pub(crate) fn parse(text: &str) -> Result<Exposure, String> {
+///
+/// # Errors
+/// What is expected, for any other text.
+pub fn parse(text: &str) -> Result<Exposure, String> {
     if text == "auto" {
         return Ok(Exposure::Auto);
     }

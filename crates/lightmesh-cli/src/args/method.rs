@@ -34,7 +34,7 @@ impl From<MethodArg> for Method {
 }
 
 /// The word for a method.
-pub(crate) fn name(method: Method) -> &'static str {
+pub fn name(method: Method) -> &'static str {
     match method {
         Method::Mesh => "mesh",
         Method::Paper => "paper",

@@ -19,9 +19,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub use self::{
+    emitters::EmitterArgs,
+    exposure::{Exposure, parse as parse_exposure},
+    method::name as method_name,
+};
 pub(crate) use self::{
-    emitters::EmitterArgs, environment::EnvironmentArg, exposure::Exposure,
-    interpolation::spell as spell_interpolation, method::name as method_name, render::RenderArgs,
+    environment::EnvironmentArg, interpolation::spell as spell_interpolation, render::RenderArgs,
     reproduce::ReproduceArgs, weight::name as weight_name,
 };
 

@@ -1,0 +1,58 @@
+//! The `lightmesh` program, and what other faces of the library share with it: options by their names, with their spellings, ranges
+//! and defaults, the choice of a camera, light from all sides, and what is said about a finished picture.
+
+#![forbid(unsafe_code)]
+
+mod args;
+mod camera_choice;
+mod compare;
+mod environment;
+mod exit;
+mod info;
+mod interrupt;
+mod keywords;
+mod outputs;
+mod preview;
+mod progress;
+mod render;
+mod reproduce;
+mod settings;
+mod stats;
+mod terminal;
+
+use std::ffi::OsString;
+
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+pub use crate::{
+    args::{EmitterArgs, Exposure, method_name, parse_exposure},
+    camera_choice::{choose as choose_camera, height_for},
+    compare::visible_difference,
+    environment::{apply as apply_environment, read as read_environment},
+    keywords::{Keyword, KeywordError, Keywords, keywords},
+    settings::json as settings_json,
+    stats::{MeshesStats, Stats},
+};
+
+/// Name and version of the program, as picture files carry it.
+pub const SOFTWARE: &str = concat!("lightmesh ", env!("CARGO_PKG_VERSION"));
+
+/// Runs the program with these arguments, its own name first, and returns its exit code: 0 done; 1 failed while working; 2 bad input
+/// or usage; 130 interrupted. It may end the process itself, after Ctrl-C.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return exit::usage(&error),
+    };
+    let result = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
+    };
+    match result {
+        Ok(()) => 0,
+        Err(failure) => failure.report(),
+    }
+}

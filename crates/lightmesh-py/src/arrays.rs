@@ -1,0 +1,156 @@
+//! Numbers from Python: anything that NumPy makes an array of, checked for its kind and shape.
+
+use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::error;
+
+/// An array of one kind of number, row by row.
+pub(crate) struct Numbers<T> {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) values: Vec<T>,
+}
+
+/// `numpy.asarray(value)`.
+fn array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    ASARRAY.import(value.py(), "numpy", "asarray")?.call1((value,))
+}
+
+/// The kind of number as NumPy abbreviates it: `f`, `i`, `u`, `b` and others.
+fn kind(array: &Bound<'_, PyAny>) -> PyResult<String> {
+    array.getattr("dtype")?.getattr("kind")?.extract()
+}
+
+/// How many dimensions the value has as an array; `None` where it is none.
+pub(crate) fn dimensions(value: &Bound<'_, PyAny>) -> Option<usize> {
+    array(value).ok()?.getattr("ndim").ok()?.extract().ok()
+}
+
+fn convert<T: Element + Copy>(array: &Bound<'_, PyAny>, dtype: &str) -> PyResult<Numbers<T>> {
+    let array = array.call_method1("astype", (dtype, "C"))?;
+    let array = array.cast::<PyArrayDyn<T>>()?.readonly();
+    Ok(Numbers { shape: array.shape().to_vec(), values: array.as_slice()?.to_vec() })
+}
+
+/// Real numbers as 32-bit floats.
+pub(crate) fn floats(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<f32>> {
+    let array = array(value)?;
+    match kind(&array)?.as_str() {
+        "f" | "i" | "u" => convert(&array, "float32"),
+        _ => Err(wrong(&array, name, "expected real numbers")),
+    }
+}
+
+/// Bytes or real numbers as they are.
+pub(crate) enum Texels {
+    Bytes(Numbers<u8>),
+    Floats(Numbers<f32>),
+}
+
+/// Texels of an image: bytes, or floats.
+pub(crate) fn texels(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Texels> {
+    let array = array(value)?;
+    let size: usize = array.getattr("dtype")?.getattr("itemsize")?.extract()?;
+    match (kind(&array)?.as_str(), size) {
+        ("u", 1) => Ok(Texels::Bytes(convert(&array, "uint8")?)),
+        ("f", _) => Ok(Texels::Floats(convert(&array, "float32")?)),
+        _ => Err(wrong(&array, name, "expected uint8 or floats")),
+    }
+}
+
+/// Rows of `N` numbers, as an array of the shape (n, N).
+fn rows<const N: usize>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f32; N]>> {
+    let numbers = floats(value, name)?;
+    match numbers.shape[..] {
+        [_, columns] if columns == N => Ok(numbers.values.as_chunks().0.to_vec()),
+        _ => Err(misshapen(value.py(), name, &format!("(n, {N})"), &numbers.shape)),
+    }
+}
+
+/// Points or vectors, (n, 3).
+pub(crate) fn vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
+    Ok(rows::<3>(value, name)?.into_iter().map(Vec3::from_array).collect())
+}
+
+/// Texture coordinates, (n, 2).
+pub(crate) fn vec2s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec2>> {
+    Ok(rows::<2>(value, name)?.into_iter().map(Vec2::from_array).collect())
+}
+
+/// Linear RGB or RGBA, (n, 3) or (n, 4).
+pub(crate) fn colors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec4>> {
+    if array(value)?.getattr("shape")?.get_item(-1).is_ok_and(|n| n.eq(3).unwrap_or(false)) {
+        return Ok(rows::<3>(value, name)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect());
+    }
+    Ok(rows::<4>(value, name)?.into_iter().map(Vec4::from_array).collect())
+}
+
+/// Three indices a triangle, (n, 3) whole numbers from 0 on.
+pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
+    let array = array(value)?;
+    if !matches!(kind(&array)?.as_str(), "i" | "u") {
+        return Err(wrong(&array, name, "expected whole numbers"));
+    }
+    // What is beyond 63 bits becomes negative.
+    let numbers: Numbers<i64> = convert(&array, "int64")?;
+    if !matches!(numbers.shape[..], [_, 3]) {
+        return Err(misshapen(value.py(), name, "(n, 3)", &numbers.shape));
+    }
+    let index = |&i: &i64| u32::try_from(i).map_err(|_| i);
+    let indices: Result<Vec<u32>, i64> = numbers.values.iter().map(index).collect();
+    let indices =
+        indices.map_err(|i| error::scene(value.py(), format!("{name}: index {i} is no index of a corner")))?;
+    Ok(indices.as_chunks().0.to_vec())
+}
+
+/// A point or a vector: three numbers.
+pub(crate) fn vec3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
+    let numbers = floats(value, name)?;
+    match (&numbers.shape[..], &numbers.values[..]) {
+        ([3], &[x, y, z]) => Ok(Vec3::new(x, y, z)),
+        _ => Err(misshapen(value.py(), name, "(3,)", &numbers.shape)),
+    }
+}
+
+/// A colour: three numbers, or one for grey.
+pub(crate) fn color(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
+    let numbers = floats(value, name)?;
+    match (&numbers.shape[..], &numbers.values[..]) {
+        ([], &[grey]) => Ok(Vec3::splat(grey)),
+        ([3], &[r, g, b]) => Ok(Vec3::new(r, g, b)),
+        _ => Err(misshapen(value.py(), name, "(3,) or one number", &numbers.shape)),
+    }
+}
+
+/// A unit vector from three numbers that are not all 0.
+pub(crate) fn direction(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
+    let direction = vec3(value, name)?.try_normalize();
+    direction.ok_or_else(|| error::scene(value.py(), format!("{name}: has no direction")))
+}
+
+/// An affine transform of column vectors: (4, 4), the last row 0, 0, 0, 1.
+pub(crate) fn affine(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine3A> {
+    let numbers = floats(value, name)?;
+    let Some(values) = numbers.values.first_chunk::<16>().filter(|_| numbers.shape == [4, 4]) else {
+        return Err(misshapen(value.py(), name, "(4, 4)", &numbers.shape));
+    };
+    let matrix = Mat4::from_cols_array(values).transpose();
+    if values[12..] != [0.0, 0.0, 0.0, 1.0] || !matrix.is_finite() {
+        return Err(error::scene(value.py(), format!("{name}: must be finite, and its last row 0, 0, 0, 1")));
+    }
+    Ok(Affine3A::from_mat4(matrix))
+}
+
+pub(crate) fn misshapen(py: Python<'_>, name: &str, expected: &str, shape: &[usize]) -> PyErr {
+    let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+    let comma = if shape.len() == 1 { "," } else { "" };
+    error::scene(py, format!("{name}: expected the shape {expected}, not ({}{comma})", shape.join(", ")))
+}
+
+fn wrong(array: &Bound<'_, PyAny>, name: &str, expected: &str) -> PyErr {
+    let dtype = array.getattr("dtype").map_or_else(|_| "another type".to_owned(), |dtype| dtype.to_string());
+    error::scene(array.py(), format!("{name}: {expected}, not {dtype}"))
+}

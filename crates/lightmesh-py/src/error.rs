@@ -1,0 +1,137 @@
+//! Errors of the libraries as Python's exceptions: the one place where they are mapped.
+//!
+//! The classes are those of `lightmesh.errors`; files have Python's own (`FileNotFoundError` and others).
+
+use std::io;
+
+use lightmesh_cli::KeywordError;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyType;
+
+/// What becomes an exception.
+pub(crate) trait Raise {
+    /// The exception.
+    fn raise(self, py: Python<'_>) -> PyErr;
+}
+
+/// A scene, an array or a picture that cannot be used: `SceneError`, a `ValueError`.
+pub(crate) fn scene(py: Python<'_>, message: impl Into<String>) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    of_class(py, &CLASS, "SceneError", message.into())
+}
+
+/// An option outside its range: `OptionError`, a `ValueError`.
+pub(crate) fn option(py: Python<'_>, message: impl Into<String>) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    of_class(py, &CLASS, "OptionError", message.into())
+}
+
+/// More memory than allowed: `MemoryLimitError`, a `MemoryError`.
+fn memory(py: Python<'_>, message: String) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    of_class(py, &CLASS, "MemoryLimitError", message)
+}
+
+/// Everything else that is ours: `Error`.
+pub(crate) fn general(py: Python<'_>, message: impl Into<String>) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    of_class(py, &CLASS, "Error", message.into())
+}
+
+/// What the libraries promise not to do.
+pub(crate) fn internal(what: &str) -> PyErr {
+    PyRuntimeError::new_err(format!("lightmesh failed inside, which is a defect of its own: {what}"))
+}
+
+fn of_class(py: Python<'_>, class: &PyOnceLock<Py<PyType>>, name: &str, message: String) -> PyErr {
+    match class.import(py, "lightmesh.errors", name) {
+        Ok(class) => PyErr::from_type(class.clone(), message),
+        Err(error) => error,
+    }
+}
+
+impl Raise for lightmesh::Error {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        use lightmesh::Error;
+        match self {
+            Error::InvalidScene { .. } | Error::EmptyScene => scene(py, self.to_string()),
+            Error::InvalidOption { option: name, what } => {
+                option(py, format!("{}: {}", name.replace('-', "_"), without_dashes(&what)))
+            }
+            Error::OutOfMemory { .. } => memory(py, without_dashes(&self.to_string())),
+            Error::Cancelled => PyKeyboardInterrupt::new_err(()),
+            other => general(py, other.to_string()),
+        }
+    }
+}
+
+impl Raise for lightmesh_io::Error {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        use lightmesh_io::Error;
+        let message = self.to_string().replace("--max-memory", "max_memory");
+        match self {
+            Error::Read { file, cause } => os_error(&cause, "cannot be read: check the path and its permissions", file),
+            Error::MissingFile { file, place, target, cause } => {
+                os_error(&cause, &format!("cannot be read: {file}, {place} needs it beside the scene file"), target)
+            }
+            Error::Write { file, cause } => os_error(&cause, "cannot be written", file),
+            Error::NoFolder { file, folder } => {
+                let cause = io::Error::from_raw_os_error(ENOENT);
+                os_error(&cause, &format!("the folder {folder} does not exist"), file)
+            }
+            Error::IsFolder { file } => os_error(&io::Error::from_raw_os_error(EISDIR), "name a file in it", file),
+            Error::OutOfMemory { .. } => memory(py, message),
+            Error::NoSuchScene { .. } | Error::PictureFormat { .. } | Error::EnvironmentFormat { .. } => {
+                option(py, message)
+            }
+            Error::UnknownFormat { .. }
+            | Error::Syntax { .. }
+            | Error::Invalid { .. }
+            | Error::Version { .. }
+            | Error::RequiredExtension { .. }
+            | Error::Uri { .. }
+            | Error::DataUri { .. }
+            | Error::Image { .. }
+            | Error::Empty { .. }
+            | Error::Picture { .. } => scene(py, message),
+            _ => general(py, message),
+        }
+    }
+}
+
+impl Raise for KeywordError {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        option(py, without_dashes(&self.to_string()))
+    }
+}
+
+/// The same numbers on every system that has them.
+const ENOENT: i32 = 2;
+const EISDIR: i32 = 21;
+
+/// `OSError(errno, message, file)`, which Python turns into `FileNotFoundError`, `PermissionError` and so on.
+fn os_error(cause: &io::Error, what: &str, file: String) -> PyErr {
+    match cause.raw_os_error() {
+        Some(errno) => {
+            let cause = cause.to_string();
+            let said = cause.split(" (os error").next().unwrap_or_default();
+            PyOSError::new_err((errno, format!("{said}: {what}"), file))
+        }
+        None => PyOSError::new_err(format!("{file}: {what}: {cause}")),
+    }
+}
+
+/// The message with options as Python spells them: `light_radius` for `--light-radius`.
+pub(crate) fn without_dashes(message: &str) -> String {
+    let mut parts = message.split("--");
+    let mut result = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let length = part.bytes().take_while(|&b| b.is_ascii_lowercase() || b == b'-').count();
+        let (name, rest) = part.split_at(length);
+        let dashes = if name.is_empty() { "--" } else { "" };
+        result.extend([dashes, &name.replace('-', "_"), rest]);
+    }
+    result
+}

@@ -1,0 +1,267 @@
+//! Pictures.
+
+use std::io::{self, Cursor, Write as _};
+use std::path::PathBuf;
+use std::sync::{Arc, TryLockError};
+use std::time::Instant;
+
+use lightmesh::{Camera, Image, Layer, LightMesh, RenderOptions};
+use lightmesh_cli::{Exposure, Keywords, SOFTWARE, Stats, method_name, parse_exposure, settings_json};
+use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
+use lightmesh_io::{Encoding, Picture};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::built::Built;
+use crate::error::{self, Raise};
+use crate::keywords;
+use crate::light_mesh::{IN_USE, PyLightMesh};
+use crate::scene::PyScene;
+use crate::view::{self, Keeps};
+use crate::work::{self, AtInterrupt, Watch};
+
+/// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy and not to be
+/// written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
+#[pyclass(name = "Image", module = "lightmesh", frozen)]
+pub(crate) struct PyImage {
+    pub(crate) picture: Picture,
+    layers: Vec<Layer>,
+    metadata: Metadata,
+    /// Whether the metadata's camera took it.
+    has_camera: bool,
+    /// As JSON; empty where nothing is known.
+    stats: String,
+}
+
+impl Keeps for PyImage {
+    /// 0: the light; then the layers.
+    fn values(&self, which: usize) -> Option<&[f32]> {
+        match which.checked_sub(1) {
+            None => Some(bytemuck::cast_slice(&self.picture.image.pixels)),
+            Some(layer) => self.layers.get(layer).map(|layer| &layer.values[..]),
+        }
+    }
+}
+
+#[pymethods]
+impl PyImage {
+    /// Reads an .exr (linear light), or a .png (light of a display, in [0, 1], already exposed and tone mapped).
+    #[staticmethod]
+    fn open(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let name = path.display().to_string();
+        let read = move |_: &Watch| lightmesh_io::read_picture(&path);
+        let picture = work::run(py, None, None, AtInterrupt::Abandon, read)?.map_err(|error| error.raise(py))?;
+        let metadata = Metadata {
+            software: SOFTWARE.to_owned(),
+            method: String::new(),
+            scene: name,
+            settings: "{}".to_owned(),
+            seconds: 0.0,
+            estimated_error: None,
+            spp: 0,
+            camera: Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, 1.0),
+        };
+        Ok(Self { picture, layers: Vec::new(), metadata, has_camera: false, stats: String::new() })
+    }
+
+    /// (H, W, 3).
+    #[getter]
+    fn shape(&self) -> (u32, u32, u32) {
+        (self.picture.image.height, self.picture.image.width, 3)
+    }
+
+    /// Pixels in a row.
+    #[getter]
+    fn width(&self) -> u32 {
+        self.picture.image.width
+    }
+
+    /// Rows.
+    #[getter]
+    fn height(&self) -> u32 {
+        self.picture.image.height
+    }
+
+    /// Layers beside the light, by name: float32, (H, W, 3), or (H, W) where they have one value a pixel; not to be written to.
+    #[getter]
+    fn aovs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let aovs = PyDict::new(slf.py());
+        let (height, width) = slf.get().rows_and_columns();
+        for (index, layer) in slf.get().layers.iter().enumerate() {
+            let channels = layer.aov.channels().len();
+            let shape = if channels == 1 { vec![height, width] } else { vec![height, width, channels] };
+            aovs.set_item(layer.aov.name(), view::of(slf, index + 1, &shape)?)?;
+        }
+        Ok(aovs)
+    }
+
+    /// What the picture took, with the keys of --stats; empty for one that was read from a file.
+    #[getter]
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        from_json(py, if self.stats.is_empty() { "{}" } else { &self.stats })
+    }
+
+    /// The exposure that suits the picture, EV: its luminance times 2 to this power is what a display shows.
+    #[getter]
+    fn exposure(&self) -> f64 {
+        // A multiple of 0.01 in either precision.
+        (f64::from(Exposure::Auto.for_picture(&self.picture.image)) * 100.0).round() / 100.0
+    }
+
+    /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears whole or not at all.
+    ///
+    /// exposure: EV of a .png, or "auto". half: 16-bit instead of 32-bit floats in an .exr.
+    #[pyo3(signature = (path, *, exposure=None, half=false), text_signature = "($self, path, *, exposure='auto', half=False)")]
+    fn save(&self, py: Python<'_>, path: PathBuf, exposure: Option<&Bound<'_, PyAny>>, half: bool) -> PyResult<()> {
+        let format = Format::of(&path).map_err(|error| error.raise(py))?;
+        let exposure = match exposure {
+            None => Exposure::Auto,
+            Some(value) => {
+                let text = keywords::spell("exposure", value)?;
+                parse_exposure(&text.to_string_lossy())
+                    .map_err(|what| error::option(py, format!("exposure: {what}")))?
+            }
+        };
+        if format == Format::Exr && !self.has_camera {
+            return Err(error::general(
+                py,
+                "a picture that was read from a file has no camera that an .exr could keep",
+            ));
+        }
+        let precision = if half { Precision::Half } else { Precision::Single };
+        let written = py.detach(|| {
+            let mut file = StagedFile::create(&path)?;
+            let written = match format {
+                Format::Png => self.write_png(&mut file, exposure),
+                Format::Exr => write_exr(&mut file, &self.picture.image, &self.layers, precision, &self.metadata),
+            };
+            let name = || path.display().to_string();
+            written.and_then(|()| file.flush()).map_err(|cause| lightmesh_io::Error::Write { file: name(), cause })?;
+            file.commit()
+        });
+        written.map_err(|error| error.raise(py))
+    }
+
+    /// The picture's light as an array; without a copy unless another type or a copy is asked for.
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        slf: &Bound<'py, Self>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (height, width) = slf.get().rows_and_columns();
+        let light = view::of(slf, 0, &[height, width, 3])?;
+        let is_own = match dtype {
+            None => true,
+            Some(dtype) => light.getattr("dtype")?.eq(dtype)?,
+        };
+        match (is_own, copy) {
+            (true, Some(true)) => light.call_method0("copy"),
+            (true, _) => Ok(light),
+            (false, Some(false)) => Err(PyValueError::new_err("another type than float32 takes a copy")),
+            (false, _) => light.call_method1("astype", (dtype,)),
+        }
+    }
+
+    /// The picture as a PNG, exposed automatically and tone mapped.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let png = py.detach(|| {
+            let mut png = Cursor::new(Vec::new());
+            self.write_png(&mut png, Exposure::Auto).map(|()| png.into_inner())
+        });
+        Ok(PyBytes::new(py, &png.map_err(|error| error::internal(&error.to_string()))?))
+    }
+
+    fn __repr__(&self) -> String {
+        let Metadata { method, scene, .. } = &self.metadata;
+        format!("<lightmesh.Image {}x{} of {scene:?} {method}>", self.width(), self.height())
+    }
+}
+
+/// Why there is no picture.
+enum RenderError {
+    Library(lightmesh::Error),
+    /// The mesh cannot be had.
+    MeshInUse,
+    Inside(String),
+}
+
+impl PyImage {
+    /// Renders in a thread of its own.
+    pub(crate) fn render(
+        py: Python<'_>,
+        scene: &PyScene,
+        (built, camera, keywords): (Arc<Built>, Camera, Keywords),
+        mesh: Option<&PyLightMesh>,
+        callback: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let options = keywords.options(&camera);
+        options.check_picture_memory().map_err(|error| error.raise(py))?;
+        let mut metadata = Metadata {
+            software: SOFTWARE.to_owned(),
+            method: method_name(options.method).to_owned(),
+            scene: scene.name.clone(),
+            settings: settings_json(&options, keywords.emitters(), scene.units, &camera.name),
+            seconds: 0.0,
+            estimated_error: None,
+            spp: options.spp,
+            camera: camera.clone(),
+        };
+        let (name, load_time) = (scene.name.clone(), scene.load_time);
+        let mesh = mesh.map(|mesh| Arc::clone(&mesh.mesh));
+        let work = move |watch: &Watch| {
+            let started = Instant::now();
+            let frame = match &mesh {
+                None => {
+                    let mut mesh = LightMesh::new(&built.scene, &options).map_err(RenderError::Library)?;
+                    frame(&built, &camera, &options, &mut mesh, watch)?
+                }
+                Some(shared) => match shared.try_lock() {
+                    Ok(mut mesh) => frame(&built, &camera, &options, &mut mesh, watch)?,
+                    Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => return Err(RenderError::MeshInUse),
+                },
+            };
+            let total = load_time + built.time + started.elapsed();
+            let stats = Stats::new(name, &built.scene, &options, &frame.stats);
+            let stats = stats.with_seconds(load_time, built.time, std::time::Duration::ZERO, total);
+            let json = serde_json::to_string(&stats).map_err(|error| RenderError::Inside(error.to_string()))?;
+            Ok((frame, json))
+        };
+        let (frame, stats) =
+            work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?.map_err(|error| match error {
+                RenderError::Library(error) => error.raise(py),
+                RenderError::MeshInUse => error::general(py, IN_USE),
+                RenderError::Inside(what) => error::internal(&what),
+            })?;
+        (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
+        metadata.estimated_error = frame.stats.estimated_error;
+        let picture = Picture { image: frame.image, encoding: Encoding::SceneLinear };
+        Ok(Self { picture, layers: frame.layers, metadata, has_camera: true, stats })
+    }
+
+    fn rows_and_columns(&self) -> (usize, usize) {
+        let Image { width, height, .. } = self.picture.image;
+        (height as usize, width as usize)
+    }
+
+    fn write_png(&self, out: impl io::Write, exposure: Exposure) -> io::Result<()> {
+        let image = &self.picture.image;
+        write_png(out, image, exposure.for_picture(image), &self.metadata)
+    }
+}
+
+fn frame(
+    built: &Built,
+    camera: &Camera,
+    options: &RenderOptions,
+    mesh: &mut LightMesh,
+    watch: &Watch,
+) -> Result<lightmesh::Frame, RenderError> {
+    lightmesh::render(&built.scene, camera, options, mesh, watch).map_err(RenderError::Library)
+}
+
+/// What JSON says, as Python's own objects.
+pub(crate) fn from_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("json")?.call_method1("loads", (text,))
+}

@@ -1,0 +1,50 @@
+//! The Python face of lightmesh: thin classes over the library; what the command line has, it takes from there.
+
+#![deny(unsafe_code)]
+
+mod arrays;
+mod built;
+mod camera;
+mod error;
+mod image;
+mod keywords;
+mod light;
+mod light_mesh;
+mod material;
+mod metrics;
+mod program;
+mod scene;
+mod view;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The compiled part of lightmesh.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::camera::PyCamera;
+    #[pymodule_export]
+    use super::image::PyImage;
+    #[pymodule_export]
+    use super::keywords::option_defaults;
+    #[pymodule_export]
+    use super::light::PyLight;
+    #[pymodule_export]
+    use super::light_mesh::PyLightMesh;
+    #[pymodule_export]
+    use super::material::PyMaterial;
+    #[pymodule_export]
+    use super::metrics::compare;
+    #[pymodule_export]
+    use super::program::run_program;
+    #[pymodule_export]
+    use super::scene::PyScene;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,529 @@
+//! Scenes.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use glam::{Affine3A, Quat, Vec3};
+use lightmesh::geometry::{Sphere, TriangleMesh};
+use lightmesh::{Camera, Environment, Instance, Light, Material, SceneData};
+use lightmesh_cli::{EmitterArgs, Keywords};
+use lightmesh_io::Units;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict};
+
+use crate::built::{BuildError, Built, State};
+use crate::camera::PyCamera;
+use crate::error::{self, Raise};
+use crate::image::PyImage;
+use crate::light::PyLight;
+use crate::light_mesh::PyLightMesh;
+use crate::material::{self, PyMaterial};
+use crate::work::{self, AtInterrupt, locked};
+use crate::{arrays, keywords};
+
+/// What is rendered: surfaces, lights, an environment and cameras. Read from a file by Scene.load, or put together from arrays.
+///
+/// Metres; candela for point and spot lights, lux for directional ones, cd/m² for surfaces and environments, per channel of linear RGB.
+/// A scene is checked and made ready for rays when that is first needed; what is wrong with it is a SceneError then.
+#[pyclass(name = "Scene", module = "lightmesh", frozen)]
+pub(crate) struct PyScene {
+    /// The file as it was named; empty where there is none.
+    pub(crate) name: String,
+    pub(crate) units: Units,
+    pub(crate) load_time: Duration,
+    load_warnings: Vec<String>,
+    inner: Mutex<Inner>,
+}
+
+struct Inner {
+    state: State,
+    /// What was mended when it was first made ready: later nothing is left to mend.
+    warnings: Vec<String>,
+    /// Counts changes.
+    revision: u64,
+}
+
+/// As Python has it.
+type Point = (f32, f32, f32);
+
+/// A material of the scene by its index, or a new one.
+#[derive(FromPyObject)]
+enum MaterialArg<'py> {
+    New(PyRef<'py, PyMaterial>),
+    Index(usize),
+}
+
+#[pymethods]
+impl PyScene {
+    /// An empty scene.
+    #[new]
+    fn new() -> Self {
+        let state = State::Draft(Arc::default());
+        Self::with_state(String::new(), Units::Gltf, Duration::ZERO, Vec::new(), state, Vec::new())
+    }
+
+    /// Reads a scene file: glTF (.gltf, .glb), Wavefront OBJ or PLY.
+    ///
+    /// units: what the numbers of punctual lights mean: "gltf" (candela, lux) or "blender" (its exporter's, 683 times as much).
+    /// allow_outside: let the file's URIs leave its folder.
+    /// max_memory: the most that reading may take, bytes or with a unit as in "4GiB"; more is a MemoryLimitError.
+    /// scene: which scene of the file, by name or index; None: the file's own choice.
+    ///
+    /// What was left out or mended stands in warnings.
+    #[staticmethod]
+    #[pyo3(
+        signature = (path, *, units="gltf", allow_outside=false, max_memory=None, scene=None),
+        text_signature = "(path, *, units='gltf', allow_outside=False, max_memory='4GiB', scene=None)"
+    )]
+    fn load(
+        py: Python<'_>,
+        path: PathBuf,
+        units: &str,
+        allow_outside: bool,
+        max_memory: Option<&Bound<'_, PyAny>>,
+        scene: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut pairs = vec![("units".to_owned(), OsString::from(units))];
+        if allow_outside {
+            pairs.push(("allow_outside".to_owned(), "true".into()));
+        }
+        for (name, value) in [("max_memory", max_memory), ("scene", scene)] {
+            if let Some(value) = value {
+                pairs.push((name.to_owned(), keywords::spell(name, value)?));
+            }
+        }
+        let keywords = keywords::parse(py, &pairs)?;
+        let (options, emitters) = (keywords.load_options(), keywords.emitters().clone());
+        let units = options.units;
+        let file = path.display().to_string();
+
+        // Neither reading nor building can be told to stop.
+        let loaded = work::run(py, None, None, AtInterrupt::Abandon, move |_| {
+            let started = Instant::now();
+            let loaded = lightmesh_io::load(&path, &options).map_err(BuildError::Environment)?;
+            let time = started.elapsed();
+            Ok((Built::new(loaded.data, &emitters, options.max_memory)?, loaded.warnings, time))
+        })?;
+        let (built, load_warnings, time) = loaded.map_err(|error| match error {
+            BuildError::Scene(error @ (lightmesh::Error::InvalidScene { .. } | lightmesh::Error::EmptyScene)) => {
+                error::scene(py, format!("{file}: {error}"))
+            }
+            other => other.raise(py),
+        })?;
+        let warnings = built.warnings.clone();
+        Ok(Self::with_state(file, units, time, load_warnings, State::Built(Arc::new(built)), warnings))
+    }
+
+    /// Adds a material; returns its index.
+    fn add_material(&self, material: PyRef<'_, PyMaterial>) -> usize {
+        self.edit(|data| material.add_to(data))
+    }
+
+    /// Adds a triangle mesh, and places it once; returns its index.
+    ///
+    /// positions: (N, 3), metres. triangles: (M, 3), whole numbers, indices of positions, counter-clockwise from the front.
+    /// normals: (N, 3), shading normals; None: those of the triangles. uvs: (N, 2), texture coordinates, (0, 0) an image's first texel.
+    /// colors: (N, 3) or (N, 4), linear, multiply the base colour.
+    /// transform: (4, 4), turns column vectors of the mesh into the world's; None: they are the world's.
+    /// material: a Material, or the index of one that was added; None: glTF's default, white.
+    #[pyo3(signature = (positions, triangles, *, normals=None, uvs=None, colors=None, transform=None, material=None, name=""))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn add_mesh(
+        &self,
+        positions: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uvs: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+        transform: Option<&Bound<'_, PyAny>>,
+        material: Option<MaterialArg<'_>>,
+        name: &str,
+    ) -> PyResult<usize> {
+        let mesh = TriangleMesh {
+            name: name.to_owned(),
+            positions: arrays::vec3s(positions, "positions")?,
+            triangles: arrays::triangles(triangles, "triangles")?,
+            normals: normals.map_or(Ok(Vec::new()), |value| arrays::vec3s(value, "normals"))?,
+            uvs: [uvs.map_or(Ok(Vec::new()), |value| arrays::vec2s(value, "uvs"))?, Vec::new()],
+            colors: colors.map_or(Ok(Vec::new()), |value| arrays::colors(value, "colors"))?,
+            ..TriangleMesh::default()
+        };
+        let world_from_object = transform_or_identity(transform)?;
+        self.try_edit(positions.py(), |data| {
+            let material = material_index(data, material)?;
+            data.meshes.push(TriangleMesh { material, ..mesh });
+            let mesh = data.meshes.len() - 1;
+            data.instances.push(Instance { mesh, world_from_object });
+            Ok(mesh)
+        })
+    }
+
+    /// Places a mesh that was added once more, at another place; its triangles are kept once.
+    ///
+    /// mesh: its index. transform: (4, 4), turns column vectors of the mesh into the world's.
+    fn add_instance(&self, mesh: usize, transform: &Bound<'_, PyAny>) -> PyResult<()> {
+        let world_from_object = transform_or_identity(Some(transform))?;
+        self.try_edit(transform.py(), |data| {
+            let meshes = data.meshes.len();
+            if mesh >= meshes {
+                return Err(format!("mesh: there is no {mesh}; the scene has {meshes}"));
+            }
+            data.instances.push(Instance { mesh, world_from_object });
+            Ok(())
+        })
+    }
+
+    /// Adds a sphere.
+    ///
+    /// center: (3,), metres. radius: metres, above 0. material: as for add_mesh.
+    #[pyo3(signature = (center, radius, *, material=None))]
+    fn add_sphere(&self, center: &Bound<'_, PyAny>, radius: f32, material: Option<MaterialArg<'_>>) -> PyResult<()> {
+        let py = center.py();
+        let center = arrays::vec3(center, "center")?;
+        self.try_edit(py, |data| {
+            let material = material_index(data, material)?;
+            data.spheres.push(Sphere { center, radius, material });
+            Ok(())
+        })
+    }
+
+    /// Adds a light without extent that shines alike in every direction.
+    ///
+    /// position: (3,), metres. intensity: candela per channel, (3,) or one number. range: metres at which it ends; None: nowhere.
+    #[pyo3(signature = (position, intensity, *, range=None))]
+    fn add_point_light(
+        &self,
+        position: &Bound<'_, PyAny>,
+        intensity: &Bound<'_, PyAny>,
+        range: Option<f32>,
+    ) -> PyResult<()> {
+        let position = arrays::vec3(position, "position")?;
+        let intensity_cd = arrays::color(intensity, "intensity")?;
+        self.edit(|data| data.lights.push(Light::Point { position, intensity_cd, range }));
+        Ok(())
+    }
+
+    /// Adds a light without extent that shines in a cone with a soft edge.
+    ///
+    /// position: (3,), metres. direction: (3,), the way it shines. intensity: candela per channel on the axis, (3,) or one number.
+    /// inner_cone_angle, outer_cone_angle: half angles, radians: inside the first it is full, outside the second, at most pi/2, dark.
+    #[pyo3(
+        signature = (position, direction, intensity, *, inner_cone_angle=0.0, outer_cone_angle=std::f32::consts::FRAC_PI_4, range=None),
+        text_signature = "($self, position, direction, intensity, *, inner_cone_angle=0.0, outer_cone_angle=0.7853981633974483, range=None)"
+    )]
+    fn add_spot_light(
+        &self,
+        position: &Bound<'_, PyAny>,
+        direction: &Bound<'_, PyAny>,
+        intensity: &Bound<'_, PyAny>,
+        inner_cone_angle: f32,
+        outer_cone_angle: f32,
+        range: Option<f32>,
+    ) -> PyResult<()> {
+        let light = Light::Spot {
+            position: arrays::vec3(position, "position")?,
+            direction: arrays::direction(direction, "direction")?,
+            intensity_cd: arrays::color(intensity, "intensity")?,
+            range,
+            inner_cone_angle,
+            outer_cone_angle,
+        };
+        self.edit(|data| data.lights.push(light));
+        Ok(())
+    }
+
+    /// Adds a light that is infinitely far away.
+    ///
+    /// direction: (3,), the way it shines. illuminance: lux per channel on a surface that faces it, (3,) or one number.
+    fn add_directional_light(&self, direction: &Bound<'_, PyAny>, illuminance: &Bound<'_, PyAny>) -> PyResult<()> {
+        let direction = arrays::direction(direction, "direction")?;
+        let illuminance_lux = arrays::color(illuminance, "illuminance")?;
+        self.edit(|data| data.lights.push(Light::Directional { direction, illuminance_lux }));
+        Ok(())
+    }
+
+    /// Adds a camera, so that render finds it by its name or index; returns its index.
+    fn add_camera(&self, camera: PyRef<'_, PyCamera>) -> usize {
+        self.edit(|data| {
+            data.cameras.push(camera.camera.clone());
+            data.cameras.len() - 1
+        })
+    }
+
+    /// Lights the scene from all sides, in place of what did; None: no longer.
+    ///
+    /// environment: a colour, (3,) or one number, or a latitude-longitude map, (H, W, 3), linear, whose middle is +X and whose first row
+    /// is up (+Y); cd/m² per channel, times strength. rotation: degrees about +Y, counter-clockwise seen from above.
+    #[pyo3(signature = (environment, *, strength=1.0, rotation=0.0))]
+    fn set_environment(&self, environment: Option<&Bound<'_, PyAny>>, strength: f32, rotation: f32) -> PyResult<()> {
+        let environment = match environment {
+            None => None,
+            Some(value) => {
+                let (map, color) = match arrays::dimensions(value) {
+                    Some(3) => (Some(material::image(value, "environment")?), Vec3::ONE),
+                    _ => (None, arrays::color(value, "environment")?),
+                };
+                if !rotation.is_finite() {
+                    return Err(error::option(value.py(), format!("rotation: must be degrees, not {rotation}")));
+                }
+                let world_from_map = Quat::from_rotation_y(rotation.to_radians());
+                Some(Environment { map, radiance: color * strength, world_from_map })
+            }
+        };
+        self.edit(|data| data.environment = environment);
+        Ok(())
+    }
+
+    /// Triangles that are in view of rays: those of a mesh count once for each of its places.
+    #[getter]
+    fn triangle_count(&self) -> u64 {
+        let inner = locked(&self.inner);
+        let data = inner.state.data();
+        let count = |i: &Instance| data.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len() as u64);
+        data.instances.iter().map(count).sum()
+    }
+
+    /// Point, spot and directional lights.
+    #[getter]
+    fn lights(&self) -> Vec<PyLight> {
+        locked(&self.inner).state.data().lights.iter().map(|&light| PyLight { light }).collect()
+    }
+
+    /// Cameras, in the order of their indices.
+    #[getter]
+    fn cameras(&self) -> Vec<PyCamera> {
+        let camera = |camera: &Camera| PyCamera { camera: camera.clone() };
+        locked(&self.inner).state.data().cameras.iter().map(camera).collect()
+    }
+
+    /// The box around all surfaces: its least and its largest corner, metres.
+    #[getter]
+    fn bounds(&self, py: Python<'_>) -> PyResult<(Point, Point)> {
+        let bounds = self.ready(py)?.scene.bounds();
+        Ok((bounds.min.into(), bounds.max.into()))
+    }
+
+    /// What was left out, mended or cannot be shown as it was meant, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.load_warnings.iter().cloned().chain(locked(&self.inner).warnings.iter().cloned()).collect()
+    }
+
+    /// How many light samples stand for all that shines, as the scene was last rendered.
+    #[getter]
+    fn light_sample_count(&self, py: Python<'_>) -> PyResult<u64> {
+        Ok(self.ready(py)?.scene.light_sample_count())
+    }
+
+    /// Renders a picture; the options are those of `lightmesh render`, whose --help says more.
+    ///
+    /// camera: a Camera, or the name or index of one of the scene's; None: the first, or one that frames the scene.
+    /// size: (width, height) or "WxH", pixels; None: 1280 wide, the height from the camera's aspect.
+    /// method: "mesh", "paper", "standard", "hybrid", "unbiased" or "path".
+    /// spp: samples per pixel; None: 4, with time_limit (seconds) as many as there is time for.
+    /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None: none.
+    /// depth, cutoff: how far mirrored and refracted rays are followed. falloff: "r2" or "C+r".
+    /// light_error: error of the sum over many lights. seed: of all randomness.
+    /// environment: .hdr or .exr file, (r, g, b) or "#rrggbb", in place of the scene's; environment_strength multiplies it, and
+    /// environment_rotation turns it, degrees. light_samples: for each thing with a size that shines. light_radius: metres, makes lights
+    /// spheres. Where nothing shines at all, there is a soft environment.
+    /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the indirect mesh.
+    /// refine: how often meshes may halve their spacing. graded: metres from the camera within which they are denser.
+    /// rays: with method "unbiased". interpolation: "auto", "trilinear", "trilinear:RULE", "nearest", "sphere" or "sphere:R".
+    /// weight, field_falloff, paper_scale: variants of the paper.
+    /// aov: names of layers, as a list or with commas: albedo, normal, depth, direct, indirect, mesh_level, mesh_valid, points.
+    /// threads: None: one for each core; the picture is the same. max_memory: bytes or "4GiB"; more is a MemoryLimitError.
+    /// mesh: a LightMesh of this scene that keeps the light between pictures; options that are not given are the mesh's.
+    /// progress: True shows a bar (needs tqdm); or a function of (stage, done, total, rays), which may raise to end the render.
+    ///
+    /// Ctrl-C raises KeyboardInterrupt soon. The picture is the same bit for bit whatever the threads, the progress and the mesh's past.
+    #[pyo3(
+        signature = (*, camera=None, mesh=None, progress=None, **options),
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, graded=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB', mesh=None, progress=None)"
+    )]
+    fn render(
+        slf: &Bound<'_, Self>,
+        camera: Option<&Bound<'_, PyAny>>,
+        mesh: Option<&Bound<'_, PyLightMesh>>,
+        progress: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyImage> {
+        let (py, scene) = (slf.py(), slf.get());
+        let chosen = keywords::pairs("render", options)?;
+        let (keywords, built) = match mesh {
+            Some(mesh) => mesh.get().keywords_and_scene(slf, &chosen)?,
+            None => {
+                let keywords = keywords::parse(py, &chosen)?;
+                let built = scene.built(py, &keywords)?;
+                (keywords, built)
+            }
+        };
+        let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
+        let progress = Listener::new(py, progress)?;
+        let result = PyImage::render(py, scene, (built, camera, keywords), mesh.map(Bound::get), progress.callback());
+        progress.close(result)
+    }
+
+    fn __repr__(&self) -> String {
+        let inner = locked(&self.inner);
+        let data = inner.state.data();
+        let triangles: usize = data.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        let (lights, cameras) = (data.lights.len(), data.cameras.len());
+        format!("<lightmesh.Scene {:?}, {triangles} triangles, {lights} lights, {cameras} cameras>", self.name)
+    }
+}
+
+impl PyScene {
+    fn with_state(
+        name: String,
+        units: Units,
+        load_time: Duration,
+        load_warnings: Vec<String>,
+        state: State,
+        warnings: Vec<String>,
+    ) -> Self {
+        let inner = Mutex::new(Inner { state, warnings, revision: 0 });
+        Self { name, units, load_time, load_warnings, inner }
+    }
+
+    /// How often it was changed.
+    pub(crate) fn revision(&self) -> u64 {
+        locked(&self.inner).revision
+    }
+
+    /// Changes the description; what was ready has to be made so again.
+    fn edit<R>(&self, change: impl FnOnce(&mut SceneData) -> R) -> R {
+        let mut inner = locked(&self.inner);
+        let state = std::mem::replace(&mut inner.state, State::Draft(Arc::default()));
+        let mut data = state.into_data();
+        let result = change(&mut data);
+        inner.state = State::Draft(Arc::new(data));
+        inner.revision += 1;
+        result
+    }
+
+    /// [`PyScene::edit`] where the change may find something wrong.
+    fn try_edit<R>(&self, py: Python<'_>, change: impl FnOnce(&mut SceneData) -> Result<R, String>) -> PyResult<R> {
+        self.edit(change).map_err(|what| error::scene(py, what))
+    }
+
+    /// The scene ready for rays, however it is lit.
+    fn ready(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
+        let state = locked(&self.inner).state.clone();
+        match state {
+            State::Built(built) => Ok(built),
+            State::Draft(_) => self.built(py, &keywords::parse(py, &keywords::Pairs::new())?),
+        }
+    }
+
+    /// The scene ready for rays, lit as the options say.
+    pub(crate) fn built(&self, py: Python<'_>, keywords: &Keywords) -> PyResult<Arc<Built>> {
+        let emitters: EmitterArgs = keywords.emitters().clone();
+        let (state, revision) = {
+            let inner = locked(&self.inner);
+            (inner.state.clone(), inner.revision)
+        };
+        let state = match state {
+            State::Built(built) if built.emitters == emitters => return Ok(built),
+            other => other,
+        };
+        let max_memory = keywords.mesh_options().max_memory;
+        let work = move |_: &work::Watch| Built::new(state.into_data(), &emitters, max_memory);
+        let built = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, work)?;
+        let built = Arc::new(built.map_err(|error| error.raise(py))?);
+        let mut inner = locked(&self.inner);
+        // Another thread may have changed it meanwhile.
+        if inner.revision == revision {
+            inner.state = State::Built(Arc::clone(&built));
+            let new: Vec<String> = built.warnings.iter().filter(|w| !inner.warnings.contains(w)).cloned().collect();
+            inner.warnings.extend(new);
+        }
+        Ok(built)
+    }
+}
+
+/// Which camera takes the picture, as the command line chooses it.
+fn scene_camera(cameras: &[Camera], data: &SceneData, wanted: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
+    let wanted = match wanted {
+        None => None,
+        Some(value) => {
+            if let Ok(camera) = value.cast::<PyCamera>() {
+                return Ok(camera.get().camera.clone());
+            }
+            // A number is an index, whatever the names are.
+            if let Some(camera) = value.extract::<usize>().ok().and_then(|index| cameras.get(index)) {
+                return Ok(camera.clone());
+            }
+            Some((keywords::spell("camera", value)?, value.py()))
+        }
+    };
+    let name = wanted.as_ref().map(|(name, _)| name.to_string_lossy());
+    match (lightmesh_cli::choose_camera(data, name.as_deref()), wanted) {
+        (Ok((camera, _)), _) => Ok(camera),
+        (Err(error), Some((_, py))) => {
+            Err(error::option(py, error.to_string().replace("the file has", "the scene has")))
+        }
+        (Err(error), None) => Err(PyValueError::new_err(error.to_string())),
+    }
+}
+
+/// The index of a material, which is added if it is new.
+fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
+    match material {
+        Some(MaterialArg::New(material)) => Ok(material.add_to(data)),
+        Some(MaterialArg::Index(index)) if index < data.materials.len() => Ok(index),
+        Some(MaterialArg::Index(index)) => {
+            Err(format!("material: there is no {index}; the scene has {}", data.materials.len()))
+        }
+        None => {
+            data.materials.push(Material::default());
+            Ok(data.materials.len() - 1)
+        }
+    }
+}
+
+fn transform_or_identity(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Affine3A> {
+    transform.map_or(Ok(Affine3A::IDENTITY), |value| arrays::affine(value, "transform"))
+}
+
+/// Who hears of the progress.
+enum Listener<'py> {
+    Nobody,
+    Function(Bound<'py, PyAny>),
+    /// A bar, which has to be closed.
+    Bar(Bound<'py, PyAny>),
+}
+
+impl<'py> Listener<'py> {
+    fn new(py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
+        let Some(progress) = progress else { return Ok(Self::Nobody) };
+        if let Ok(wanted) = progress.cast::<PyBool>() {
+            return Ok(match wanted.is_true() {
+                true => Self::Bar(py.import("lightmesh._progress")?.getattr("Bar")?.call0()?),
+                false => Self::Nobody,
+            });
+        }
+        match progress.is_callable() {
+            true => Ok(Self::Function(progress.clone())),
+            false => Err(PyTypeError::new_err("progress: must be True or a function of (stage, done, total, rays)")),
+        }
+    }
+
+    fn callback(&self) -> Option<&Bound<'py, PyAny>> {
+        match self {
+            Self::Nobody => None,
+            Self::Function(callback) | Self::Bar(callback) => Some(callback),
+        }
+    }
+
+    fn close<T>(&self, result: PyResult<T>) -> PyResult<T> {
+        if let Self::Bar(bar) = self {
+            let closed = bar.call_method0("close");
+            return result.and_then(|result| closed.map(|_| result));
+        }
+        result
+    }
+}

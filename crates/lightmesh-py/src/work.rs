@@ -1,0 +1,157 @@
+//! Long work on a thread of its own, while the calling one listens: Ctrl-C ends it, and its progress goes to a callback.
+
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use lightmesh::{Progress, Stage};
+use pyo3::prelude::*;
+
+use crate::error;
+
+/// Between two looks at signals and progress.
+const PERIOD: Duration = Duration::from_millis(50);
+/// As the main thread of a program has.
+const STACK_BYTES: usize = 8 << 20;
+
+/// What becomes of work that is interrupted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AtInterrupt {
+    /// It is told and heeds it within milliseconds.
+    Wait,
+    /// It cannot be told: it ends some time, unheard.
+    Abandon,
+}
+
+/// What the work is watched by: it reports to it, and asks it whether to stop.
+#[derive(Debug, Default)]
+pub(crate) struct Watch {
+    cancelled: AtomicBool,
+    /// The newest report of each stage that the callback has not heard of; `None`: nobody listens.
+    reports: Mutex<Option<Vec<Report>>>,
+}
+
+/// How far a stage is.
+#[derive(Clone, Copy, Debug)]
+struct Report {
+    stage: Stage,
+    done: u64,
+    total: u64,
+    rays: u64,
+}
+
+impl Progress for Watch {
+    fn report(&self, stage: Stage, done: u64, total: u64, rays: u64) {
+        if let Some(reports) = locked(&self.reports).as_mut() {
+            let report = Report { stage, done, total, rays };
+            match reports.last_mut() {
+                Some(last) if last.stage == stage => *last = report,
+                _ => reports.push(report),
+            }
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Watch {
+    /// Hands what is new to the callback, without holding the lock.
+    fn pass_on(&self, callback: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let Some(callback) = callback else { return Ok(()) };
+        let reports = locked(&self.reports).as_mut().map(std::mem::take).unwrap_or_default();
+        for Report { stage, done, total, rays } in reports {
+            callback.call1((stage_name(stage), done, total, rays))?;
+        }
+        Ok(())
+    }
+}
+
+/// A stage as callbacks hear of it.
+fn stage_name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Sketch => "sketch",
+        Stage::Check => "check",
+        Stage::Render => "render",
+        Stage::Outlines => "outlines",
+        _ => "work",
+    }
+}
+
+/// The thread's result, once there is one.
+struct Slot<T> {
+    result: Mutex<Option<thread::Result<T>>>,
+    filled: Condvar,
+    watch: Watch,
+}
+
+/// Does `work` on a thread of its own, in a pool of `threads` or in the one that all share, and returns what it returns.
+///
+/// # Errors
+/// `KeyboardInterrupt`, and whatever the callback or a signal's handler raises: the work is cancelled then.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    callback: Option<&Bound<'_, PyAny>>,
+    at_interrupt: AtInterrupt,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> PyResult<T> {
+    let pool = match threads {
+        None => None,
+        Some(threads) => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            Some(pool.map_err(|error| error::general(py, format!("threads: {error}")))?)
+        }
+    };
+    let watch = Watch { reports: Mutex::new(callback.map(|_| Vec::new())), ..Watch::default() };
+    let slot = Arc::new(Slot { result: Mutex::new(None), filled: Condvar::new(), watch });
+    let theirs = Arc::clone(&slot);
+    let body = move || {
+        let work = || match pool {
+            Some(pool) => pool.install(|| work(&theirs.watch)),
+            None => work(&theirs.watch),
+        };
+        let result = panic::catch_unwind(AssertUnwindSafe(work));
+        *locked(&theirs.result) = Some(result);
+        theirs.filled.notify_one();
+    };
+    let thread = thread::Builder::new().name("lightmesh".to_owned()).stack_size(STACK_BYTES).spawn(body);
+    thread.map_err(|cause| error::general(py, format!("no thread could be started: {cause}")))?;
+
+    // Listen until it is done; what is raised first is what counts.
+    let mut raised = None;
+    loop {
+        let result = py.detach(|| {
+            let unfilled = |result: &mut Option<_>| result.is_none();
+            let waited = slot.filled.wait_timeout_while(locked(&slot.result), PERIOD, unfilled);
+            waited.unwrap_or_else(PoisonError::into_inner).0.take()
+        });
+        if raised.is_none() {
+            raised = py.check_signals().and_then(|()| slot.watch.pass_on(callback)).err();
+            if raised.is_some() {
+                slot.watch.cancelled.store(true, Ordering::Relaxed);
+            }
+        }
+        match (result, raised.take()) {
+            (Some(_), Some(error)) => return Err(error),
+            (Some(Ok(result)), None) => return Ok(result),
+            (Some(Err(panic)), None) => return Err(error::internal(panic_message(&*panic))),
+            (None, Some(error)) if at_interrupt == AtInterrupt::Abandon => return Err(error),
+            (None, error) => raised = error,
+        }
+    }
+}
+
+/// What was said by a panic.
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
+    let said = panic.downcast_ref::<&str>().copied();
+    said.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
+}
+
+/// The content, also after a panic elsewhere: what is kept so is replaced as a whole.
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,271 @@
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any, Literal, TypeAlias, TypedDict, final
+
+import numpy
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+__all__ = [
+    "Camera",
+    "Image",
+    "Light",
+    "LightMesh",
+    "Material",
+    "Scene",
+    "__version__",
+    "_compare",
+    "_option_defaults",
+    "_run_program",
+]
+
+__version__: str
+
+_Path: TypeAlias = str | PathLike[str]
+_Point: TypeAlias = tuple[float, float, float]
+_Size: TypeAlias = str | tuple[int, int]
+_Environment: TypeAlias = _Path | ArrayLike
+_Method: TypeAlias = Literal["mesh", "paper", "standard", "hybrid", "unbiased", "path"]
+_Weight: TypeAlias = Literal["constant", "gaussian", "inverse", "cosine"]
+_PaperScale: TypeAlias = Literal["visibility", "constant"]
+_Progress: TypeAlias = bool | Callable[[str, int, int, int], object]
+
+class _MeshStats(TypedDict):
+    spacing_m: float
+    points_used: int
+    points_refined: int
+    points_total: int
+    points_invalid: int
+    bytes: int
+
+class _MeshesStats(TypedDict):
+    direct: _MeshStats
+    indirect: _MeshStats
+
+@final
+class Camera:
+    @staticmethod
+    def look_at(
+        eye: ArrayLike,
+        target: ArrayLike,
+        *,
+        yfov: float = 0.8,
+        up: ArrayLike | None = None,
+        aspect: float | None = None,
+        name: str = "",
+    ) -> Camera: ...
+    @staticmethod
+    def from_matrix(
+        world_from_camera: ArrayLike, *, yfov: float = 0.8, aspect: float | None = None, name: str = ""
+    ) -> Camera: ...
+    @staticmethod
+    def orthographic(world_from_camera: ArrayLike, *, xmag: float, ymag: float, name: str = "") -> Camera: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def eye(self) -> _Point: ...
+    @property
+    def yfov(self) -> float | None: ...
+    @property
+    def aspect(self) -> float: ...
+
+@final
+class Light:
+    @property
+    def kind(self) -> Literal["point", "spot", "directional"]: ...
+    @property
+    def position(self) -> _Point | None: ...
+    @property
+    def direction(self) -> _Point | None: ...
+    @property
+    def color(self) -> _Point: ...
+    @property
+    def range(self) -> float | None: ...
+    @property
+    def cone_angles(self) -> tuple[float, float] | None: ...
+
+@final
+class Material:
+    def __new__(
+        cls,
+        *,
+        base_color: ArrayLike = 1.0,
+        metallic: float = 0.0,
+        roughness: float = 1.0,
+        emission: ArrayLike = 0.0,
+        specular: float = 1.0,
+        specular_color: ArrayLike = 1.0,
+        ior: float = 1.5,
+        transmission: float = 0.0,
+        alpha: float = 1.0,
+        alpha_mode: Literal["opaque", "mask", "blend"] = "opaque",
+        alpha_cutoff: float = 0.5,
+        double_sided: bool = False,
+        unlit: bool = False,
+        base_color_texture: ArrayLike | None = None,
+        metallic_roughness_texture: ArrayLike | None = None,
+        emission_texture: ArrayLike | None = None,
+        normal_texture: ArrayLike | None = None,
+        normal_scale: float = 1.0,
+        name: str = "",
+    ) -> Material: ...
+    @property
+    def name(self) -> str: ...
+
+@final
+class Scene:
+    def __new__(cls) -> Scene: ...
+    @staticmethod
+    def load(
+        path: _Path,
+        *,
+        units: Literal["gltf", "blender"] = "gltf",
+        allow_outside: bool = False,
+        max_memory: int | str = "4GiB",
+        scene: str | int | None = None,
+    ) -> Scene: ...
+    def add_material(self, material: Material) -> int: ...
+    def add_mesh(
+        self,
+        positions: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        transform: ArrayLike | None = None,
+        material: Material | int | None = None,
+        name: str = "",
+    ) -> int: ...
+    def add_instance(self, mesh: int, transform: ArrayLike) -> None: ...
+    def add_sphere(self, center: ArrayLike, radius: float, *, material: Material | int | None = None) -> None: ...
+    def add_point_light(self, position: ArrayLike, intensity: ArrayLike, *, range: float | None = None) -> None: ...
+    def add_spot_light(
+        self,
+        position: ArrayLike,
+        direction: ArrayLike,
+        intensity: ArrayLike,
+        *,
+        inner_cone_angle: float = 0.0,
+        outer_cone_angle: float = 0.7853981633974483,
+        range: float | None = None,
+    ) -> None: ...
+    def add_directional_light(self, direction: ArrayLike, illuminance: ArrayLike) -> None: ...
+    def add_camera(self, camera: Camera) -> int: ...
+    def set_environment(
+        self, environment: ArrayLike | None, *, strength: float = 1.0, rotation: float = 0.0
+    ) -> None: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def lights(self) -> list[Light]: ...
+    @property
+    def cameras(self) -> list[Camera]: ...
+    @property
+    def bounds(self) -> tuple[_Point, _Point]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def light_sample_count(self) -> int: ...
+    def render(
+        self,
+        *,
+        camera: Camera | str | int | None = None,
+        size: _Size | None = None,
+        method: _Method = "mesh",
+        spp: int | None = None,
+        time_limit: float | None = None,
+        bounces: int = 3,
+        error: float | None = None,
+        depth: int = 8,
+        cutoff: float = 0.001,
+        falloff: str = "r2",
+        light_error: float = 0.01,
+        seed: int = 0,
+        environment: _Environment | None = None,
+        environment_strength: float = 1.0,
+        environment_rotation: float = 0.0,
+        light_samples: int = 64,
+        light_radius: float = 0.0,
+        spacing: float | str = "auto",
+        indirect_spacing: float | str = "auto",
+        gather_rays: int = 256,
+        refine: int | None = None,
+        graded: float | None = None,
+        rays: int = 4,
+        interpolation: str = "auto",
+        weight: _Weight = "constant",
+        field_falloff: str = "r2",
+        paper_scale: _PaperScale = "visibility",
+        aov: str | Sequence[str] | None = None,
+        threads: int | None = None,
+        max_memory: int | str = "4GiB",
+        mesh: LightMesh | None = None,
+        progress: _Progress | None = None,
+    ) -> Image: ...
+
+@final
+class LightMesh:
+    def __new__(
+        cls,
+        scene: Scene,
+        *,
+        size: _Size | None = None,
+        method: _Method = "mesh",
+        spp: int | None = None,
+        time_limit: float | None = None,
+        bounces: int = 3,
+        error: float | None = None,
+        depth: int = 8,
+        cutoff: float = 0.001,
+        falloff: str = "r2",
+        light_error: float = 0.01,
+        seed: int = 0,
+        environment: _Environment | None = None,
+        environment_strength: float = 1.0,
+        environment_rotation: float = 0.0,
+        light_samples: int = 64,
+        light_radius: float = 0.0,
+        spacing: float | str = "auto",
+        indirect_spacing: float | str = "auto",
+        gather_rays: int = 256,
+        refine: int | None = None,
+        graded: float | None = None,
+        rays: int = 4,
+        interpolation: str = "auto",
+        weight: _Weight = "constant",
+        field_falloff: str = "r2",
+        paper_scale: _PaperScale = "visibility",
+        aov: str | Sequence[str] | None = None,
+        threads: int | None = None,
+        max_memory: int | str = "4GiB",
+    ) -> LightMesh: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def stats(self) -> _MeshesStats: ...
+
+@final
+class Image:
+    @staticmethod
+    def open(path: _Path) -> Image: ...
+    @property
+    def shape(self) -> tuple[int, int, int]: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def aovs(self) -> dict[str, NDArray[numpy.float32]]: ...
+    @property
+    def stats(self) -> dict[str, Any]: ...
+    @property
+    def exposure(self) -> float: ...
+    def save(self, path: _Path, *, exposure: float | Literal["auto"] = "auto", half: bool = False) -> None: ...
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]: ...
+    def _repr_png_(self) -> bytes: ...
+
+def _compare(
+    a: Image | ArrayLike, b: Image | ArrayLike, *, linear: bool = False
+) -> tuple[float, float, float, float | None]: ...
+def _option_defaults() -> dict[str, str | None]: ...
+def _run_program(arguments: Sequence[str]) -> int: ...
