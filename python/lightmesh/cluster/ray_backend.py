@@ -6,10 +6,8 @@ exception that a task raises ends the job.
 """
 
 import logging
-import queue
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
 from typing import Any
 
 from lightmesh.cluster import worker
@@ -18,7 +16,7 @@ from lightmesh.cluster.task import Outcome, Shared, Task
 
 try:
     import ray
-    from ray.exceptions import RayTaskError
+    from ray.exceptions import RayError, RayTaskError
     from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 except ImportError as error:
     raise RayMissingError from error
@@ -54,6 +52,7 @@ class RayExecutor:
         self.waited_seconds = 0.0
         """How long this process had nothing to do but wait."""
         self._memory = memory
+        self._running: dict[Any, Task] = {}
         self.threads = threads or self._threads()
         if self.workers == 0:
             self.close()
@@ -83,32 +82,43 @@ class RayExecutor:
 
     def run(self, job: Shared, next_task: Callable[[], Task | None]) -> Iterator[tuple[Task, Outcome]]:
         """Keeps a few tasks for each worker on their way."""
-        done: queue.SimpleQueue[Future[Outcome]] = queue.SimpleQueue()
-        running: dict[Future[Outcome], tuple[Task, Any]] = {}
         room = IN_FLIGHT * max(1, self.workers)
-        try:
-            while True:
-                while len(running) < room and (task := next_task()) is not None:
-                    reference = self._remote.options(name=task.name, **_strategy(task)).remote(job, task)
-                    future: Future[Outcome] = reference.future()
-                    running[future] = task, reference
-                    future.add_done_callback(done.put)
-                if not running:
-                    return
-                started = time.perf_counter()
-                future = done.get()
-                self.waited_seconds += time.perf_counter() - started
-                task, _ = running.pop(future)
-                yield task, _outcome(future, task)
-        finally:
-            # Whoever stops asking wants no more of it
-            for _, reference in running.values():
-                ray.cancel(reference, force=False)
+        while True:
+            while len(self._running) < room and (task := next_task()) is not None:
+                reference = self._remote.options(name=task.name, **_strategy(task)).remote(job, task)
+                self._running[reference] = task
+            if not self._running:
+                return
+            for reference in self._wait():
+                task = self._running[reference]
+                yield task, self._outcome(reference)
 
     def close(self) -> None:
-        """Leaves the cluster, if it has been connected to here."""
+        """Gives up what has begun, and leaves the cluster, if it has been connected to here."""
+        for reference in self._running:
+            ray.cancel(reference, force=False)
+        self._running.clear()
         if self._began:
             ray.shutdown()
+
+    def _wait(self) -> list[Any]:
+        """Tasks that are done: one at least, and all that are by then, since asking takes the longer the more there are."""
+        started = time.perf_counter()
+        references = list(self._running)
+        ray.wait(references, num_returns=1)
+        done, _ = ray.wait(references, num_returns=len(references), timeout=0)
+        self.waited_seconds += time.perf_counter() - started
+        return list(done)
+
+    def _outcome(self, reference: Any) -> Outcome:
+        task = self._running.pop(reference)
+        try:
+            outcome: Outcome = ray.get(reference)
+        except RayTaskError as error:
+            raise (error.cause if isinstance(error.cause, Exception) else ClusterError(str(error))) from error
+        except RayError as error:
+            raise ClusterError(f"{task.name} failed: {error}") from error
+        return outcome
 
     def _threads(self) -> int:
         cores = [int(node["Resources"].get("CPU", 0)) for node in ray.nodes() if node["Alive"]]
@@ -138,12 +148,3 @@ def _strategy(task: Task) -> dict[str, Any]:
         return {}
     # Elsewhere, if that node is gone
     return {"scheduling_strategy": NodeAffinitySchedulingStrategy(task.home, soft=True)}
-
-
-def _outcome(future: "Future[Outcome]", task: Task) -> Outcome:
-    error = future.exception()
-    if error is None:
-        return future.result()
-    if isinstance(error, RayTaskError) and isinstance(error.cause, Exception):
-        raise error.cause from error
-    raise ClusterError(f"{task.name} failed: {error}") from error

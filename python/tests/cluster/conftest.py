@@ -10,9 +10,10 @@ import pytest
 
 from lightmesh import Image, Scene
 
-# Before Ray is imported: no telemetry, and no tokens that would outlive the test
+# Before Ray is imported: no telemetry, no tokens that would outlive the test, and the last one keeps it to the loopback
 os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
 os.environ["RAY_AUTH_MODE"] = "disabled"
+os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
 
 #: Five waves, and a mesh that is filled in a second.
 OPTIONS: dict[str, Any] = {"size": (320, 256), "spp": 4, "bounces": 2, "spacing": "1/32", "indirect_spacing": "1/12", "gather_rays": 32}
