@@ -40,9 +40,9 @@ def seconds_per_task() -> tuple[float, float]:
     shared = executor.share({}, 0)
     found = []
     for _ in range(2):
-        tasks = iter([Task("waves", "nothing", "waves-0", (), 1, 1) for _ in range(EMPTY_TASKS)])
+        tasks = [Task("waves", "nothing", "waves-0", (), 1, 1)] * EMPTY_TASKS
         started, processor = time.perf_counter(), time.process_time()
-        for _ in executor.run(shared, lambda: next(tasks, None)):
+        for _ in executor.run(shared, lambda rest=iter(tasks): next(rest, None)):
             pass
         found.append((time.perf_counter() - started, time.process_time() - processor))
     # The first round starts the processes
@@ -81,9 +81,11 @@ def main() -> None:
     parser.add_argument("option", nargs="*", help="options of the picture, after --")
     args = parser.parse_args()
     words = args.option
-    options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2])}
+    options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2], strict=True)}
     scene = Scene.load(args.scene)
-    print("workers | local s | farm s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms")
+    print(
+        "workers | local s | farm s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms"
+    )
     alone = 0.0
     for workers in map(int, args.workers.split(",")):
         local = []

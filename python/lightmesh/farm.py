@@ -44,10 +44,11 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _run(args: argparse.Namespace) -> None:
+    _check_outputs(args)
     scene = Scene.load(args.scene_file, **_chosen(args, _OF_LOADING), **_chosen(args, ("max_memory",)))
     for warning in scene.warnings:
         _say(args, f"warning: {warning}")
-    job = args.job or Path(f"{args.output[0]}.job")
+    job = _job(args)
     stats: dict[str, Any] = {}
     options: dict[str, Any] = {
         **_chosen(args, [name for name in _option_defaults() if name not in _ELSEWHERE]),
@@ -106,9 +107,7 @@ def _add_files(parser: argparse.ArgumentParser, command: str) -> None:
         "frames": ".png or .exr to write, with #### where the frame's number goes; may be given several times",
         "bake": "light mesh to write",
     }
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", action="append", required=True, help=said[command]
-    )
+    parser.add_argument("-o", "--output", metavar="FILE", action="append", required=True, help=said[command])
     if command != "bake":
         parser.add_argument("--exposure", metavar="EV|auto", default="auto", help="of PNG files (default: auto)")
         parser.add_argument("--half", action="store_true", help="16-bit floats in EXR files")
@@ -144,7 +143,10 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
         help="cores of a worker (default: those of the smallest node that has at least half of the largest one's)",
     )
     farm.add_argument(
-        "--worker-memory", metavar="BYTES", type=_bytes, help="that Ray sets aside for each worker, as in 8GiB (default: none)"
+        "--worker-memory",
+        metavar="BYTES",
+        type=_bytes,
+        help="that Ray sets aside for each worker, as in 8GiB (default: none)",
     )
     farm.add_argument(
         "--gather-memory",
@@ -153,6 +155,11 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
         default=GATHER_BYTES,
         help="for gathered points that a worker keeps between reflections (default: 2GiB)",
     )
+
+
+def _job(args: argparse.Namespace) -> Path:
+    """The job folder. Numbers of frames are no part of its name."""
+    return args.job or Path(re.sub("#+", "", args.output[0]).replace("..", ".") + ".job")
 
 
 def _cameras(scene: Scene, which: str) -> list[CameraChoice]:
@@ -174,10 +181,20 @@ def _cameras(scene: Scene, which: str) -> list[CameraChoice]:
 def _files(args: argparse.Namespace, frame: int) -> Iterator[Path]:
     """Where a frame is written."""
     for file in args.output:
+        yield Path(
+            re.sub("#+", lambda hashes: f"{frame:0{len(hashes[0])}}", file) if args.command == "frames" else file
+        )
+
+
+def _check_outputs(args: argparse.Namespace) -> None:
+    """Before hours of work."""
+    for file in args.output:
         if args.command == "frames" and "#" not in file:
             raise OptionError(f"--output: {file} has no # for the number of the frame: write frame.####.exr")
-        number = (lambda hashes: f"{frame:0{len(hashes[0])}}") if args.command == "frames" else (lambda hashes: hashes[0])
-        yield Path(re.sub("#+", number, file))
+        if args.command != "bake" and Path(file).suffix.lower() not in (".png", ".exr"):
+            raise OptionError(f"--output: {file} is neither .png nor .exr")
+        if not Path(file).parent.is_dir():
+            raise OptionError(f"--output: the folder {Path(file).parent} does not exist")
 
 
 def _save(args: argparse.Namespace, image: Image, file: Path) -> None:
@@ -204,7 +221,7 @@ def _workers_in_words(stats: dict[str, Any]) -> str:
 
 
 def _resumes(args: argparse.Namespace) -> str:
-    return f"; the same command goes on with what is done" if not args.keep_job or args.job else ""
+    return f"; the same command goes on from {_job(args)}"
 
 
 def _say(args: argparse.Namespace, message: str) -> None:

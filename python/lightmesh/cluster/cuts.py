@@ -1,6 +1,7 @@
 """Where work is cut into tasks."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy
 
@@ -16,11 +17,11 @@ def cut_waves(waves: Sequence[int], tasks: int) -> list[tuple[int, int, int]]:
     A range is of one frame: where there are more frames than tasks, each is one range.
     """
     chunk = max(1, sum(waves) // max(1, tasks))
-    ranges = []
+    ranges: list[tuple[int, int, int]] = []
     for frame, count in enumerate(waves):
         parts = max(1, round(count / chunk))
         bounds = [count * i // parts for i in range(parts + 1)]
-        ranges.extend((frame, first, last) for first, last in zip(bounds, bounds[1:]) if first < last)
+        ranges.extend((frame, first, last) for first, last in pairwise(bounds) if first < last)
     return ranges
 
 
@@ -34,7 +35,7 @@ def cut_bricks(bricks: Array, tasks: int) -> list[Array]:
     before = numpy.concatenate(([0], numpy.cumsum(_points(bricks))))
     targets = before[-1] * numpy.arange(1, tasks) / tasks
     bounds = numpy.unique(numpy.concatenate(([0], numpy.searchsorted(before, targets), [len(bricks)])))
-    return [bricks[first:last] for first, last in zip(bounds, bounds[1:])]
+    return [bricks[first:last] for first, last in pairwise(bounds)]
 
 
 def count_points(bricks: Array) -> int:
@@ -45,4 +46,5 @@ def count_points(bricks: Array) -> int:
 def _points(bricks: Array) -> Array:
     """How many points are wanted of each brick."""
     words = numpy.ascontiguousarray(bricks[:, 1:])
-    return numpy.unpackbits(words.view(numpy.uint8), axis=1).sum(axis=1, dtype=numpy.int64)
+    counts: Array = numpy.unpackbits(words.view(numpy.uint8), axis=1).sum(axis=1, dtype=numpy.int64)
+    return counts

@@ -19,4 +19,6 @@ class RayMissingError(Error, ImportError):
     """Ray is not installed."""
 
     def __init__(self) -> None:
-        super().__init__("rendering on a cluster needs Ray, which is not installed: pip install 'lightmesh[ray]'", name="ray")
+        super().__init__(
+            "rendering on a cluster needs Ray, which is not installed: pip install 'lightmesh[ray]'", name="ray"
+        )

@@ -77,7 +77,8 @@ class JobFolder:
         file.parent.mkdir(exist_ok=True)
         temporary = file.with_suffix(".tmp")
         with temporary.open("wb") as out:
-            numpy.savez(out, **{name: numpy.asarray(value) for name, value in result.items()})
+            arrays: dict[str, Any] = {name: numpy.asarray(value) for name, value in result.items()}
+            numpy.savez(out, **arrays)
         temporary.replace(file)
 
     def note(self, measured: Mapping[str, Any]) -> None:

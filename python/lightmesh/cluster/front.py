@@ -61,7 +61,9 @@ def render_frames(
         yield from plan.pictures()
 
 
-def bake(scene: Scene, address: str | None = None, *, cameras: Sequence[CameraChoice] = (None,), **options: Any) -> LightMesh:
+def bake(
+    scene: Scene, address: str | None = None, *, cameras: Sequence[CameraChoice] = (None,), **options: Any
+) -> LightMesh:
     """Fills a light mesh with all that pictures by these cameras read, and returns it.
 
     options: as for `render`, with a method that has a mesh.

@@ -5,6 +5,7 @@ run two; nodes with less than half of the cores of the largest are left out. Ray
 exception that a task raises ends the job.
 """
 
+import importlib
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -15,9 +16,10 @@ from lightmesh.cluster.errors import ClusterError, RayMissingError
 from lightmesh.cluster.task import Outcome, Shared, Task
 
 try:
-    import ray
-    from ray.exceptions import RayError, RayTaskError
-    from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+    # Not typed, and not there for all who check types
+    ray: Any = importlib.import_module("ray")
+    _errors: Any = importlib.import_module("ray.exceptions")
+    _scheduling: Any = importlib.import_module("ray.util.scheduling_strategies")
 except ImportError as error:
     raise RayMissingError from error
 
@@ -114,9 +116,9 @@ class RayExecutor:
         task = self._running.pop(reference)
         try:
             outcome: Outcome = ray.get(reference)
-        except RayTaskError as error:
+        except _errors.RayTaskError as error:
             raise (error.cause if isinstance(error.cause, Exception) else ClusterError(str(error))) from error
-        except RayError as error:
+        except _errors.RayError as error:
             raise ClusterError(f"{task.name} failed: {error}") from error
         return outcome
 
@@ -147,4 +149,4 @@ def _strategy(task: Task) -> dict[str, Any]:
     if task.home is None:
         return {}
     # Elsewhere, if that node is gone
-    return {"scheduling_strategy": NodeAffinitySchedulingStrategy(task.home, soft=True)}
+    return {"scheduling_strategy": _scheduling.NodeAffinitySchedulingStrategy(task.home, soft=True)}

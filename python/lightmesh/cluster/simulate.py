@@ -93,7 +93,7 @@ def _run(
     seconds, sizes = stage.cut(max(1, count), times)
     free = [at + stage.setup_seconds for at in ready]
     driver = card = clock
-    waiting = iter(zip(seconds, sizes))
+    waiting = iter(zip(seconds, sizes, strict=True))
     running: list[tuple[float, int, float]] = []
 
     def hand_out(node: int) -> None:
@@ -124,7 +124,9 @@ def main() -> None:
     parser.add_argument("folder", metavar="JOB_FOLDER", type=Path, help="of a farm with --keep-job")
     parser.add_argument("--nodes", default="1,2,10,100,1000", help="how many, separated by commas")
     parser.add_argument("--times", type=float, default=1.0, help="so many times the waves")
-    parser.add_argument("--bandwidth", type=float, default=Machines.bytes_per_second, help="of each node, bytes a second")
+    parser.add_argument(
+        "--bandwidth", type=float, default=Machines.bytes_per_second, help="of each node, bytes a second"
+    )
     parser.add_argument("--latency", type=float, default=Machines.latency_seconds, help="of a message, seconds")
     parser.add_argument("--driver", type=float, default=Machines.driver_seconds, help="for each task, seconds")
     parser.add_argument("--tree", action="store_true", help="nodes pass on what is shared")

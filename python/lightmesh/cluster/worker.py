@@ -162,7 +162,9 @@ class _Process:
         if group is None:
             group = self._groups[name] = _Group(picture.gather(bricks))
         self._groups.move_to_end(name)
-        while len(self._groups) > 1 and sum(each.gathering.bytes for each in self._groups.values()) > self._gather_bytes:
+        while (
+            len(self._groups) > 1 and sum(each.gathering.bytes for each in self._groups.values()) > self._gather_bytes
+        ):
             self._groups.popitem(last=False)
         return group
 

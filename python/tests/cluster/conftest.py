@@ -16,7 +16,14 @@ os.environ["RAY_AUTH_MODE"] = "disabled"
 os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
 
 #: Five waves, and a mesh that is filled in a second.
-OPTIONS: dict[str, Any] = {"size": (320, 256), "spp": 4, "bounces": 2, "spacing": "1/32", "indirect_spacing": "1/12", "gather_rays": 32}
+OPTIONS: dict[str, Any] = {
+    "size": (320, 256),
+    "spp": 4,
+    "bounces": 2,
+    "spacing": "1/32",
+    "indirect_spacing": "1/12",
+    "gather_rays": 32,
+}
 
 
 @pytest.fixture(scope="session")

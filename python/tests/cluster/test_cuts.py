@@ -28,7 +28,9 @@ def test_groups_of_bricks_have_about_as_many_points_each() -> None:
     bricks = numpy.zeros((1000, 9), numpy.uint64)
     bricks[:, 0] = numpy.arange(1000)
     # 0 to 64 points each
-    bricks[:, 1] = random.integers(0, 1 << 63, 1000, dtype=numpy.uint64) & random.integers(0, 1 << 63, 1000, dtype=numpy.uint64)
+    bricks[:, 1] = random.integers(0, 1 << 63, 1000, dtype=numpy.uint64) & random.integers(
+        0, 1 << 63, 1000, dtype=numpy.uint64
+    )
     groups = cut_bricks(bricks, 40)
     assert numpy.array_equal(numpy.concatenate(groups), bricks)
     counts = [count_points(group) for group in groups]

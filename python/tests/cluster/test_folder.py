@@ -14,7 +14,6 @@ MANIFEST: dict[str, Any] = {"version": "1", "fingerprint": "abc", "what": "a pic
 TASK = Task("waves", "frame 0 waves 0-3", "waves-0-0-4", (0, 0, 4), 4, 4)
 
 
-
 def test_results_and_the_first_manifest_stay(tmp_path: Path) -> None:
     folder = JobFolder(tmp_path / "job")
     assert folder.open(MANIFEST)["tasks_per_stage"] == 40

@@ -107,7 +107,9 @@ render(Scene.load(sys.argv[2]), job=sys.argv[3], progress=end, **eval(sys.argv[4
 """
 
 
-def test_a_job_goes_on_after_its_driver_was_killed(scene: Scene, scene_file: Path, tmp_path: Path, cluster: str) -> None:
+def test_a_job_goes_on_after_its_driver_was_killed(
+    scene: Scene, scene_file: Path, tmp_path: Path, cluster: str
+) -> None:
     job = tmp_path / "job"
     arguments = [cluster, str(scene_file), str(job), repr(OPTIONS)]
     killed = subprocess.run([sys.executable, "-c", DRIVER, *arguments], timeout=60)

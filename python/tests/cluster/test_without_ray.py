@@ -16,7 +16,9 @@ def no_ray(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_cluster_needs_ray(scene: Scene) -> None:
-    with pytest.raises(ImportError, match=r"needs Ray, which is not installed: pip install 'lightmesh\[ray\]'") as raised:
+    with pytest.raises(
+        ImportError, match=r"needs Ray, which is not installed: pip install 'lightmesh\[ray\]'"
+    ) as raised:
         render(scene)
     assert raised.type is RayMissingError
 
