@@ -174,6 +174,33 @@ pub enum Error {
         /// What was found.
         what: String,
     },
+    /// A mesh file of another scene.
+    #[error(
+        "{file}: was made for another scene: geometry, materials, textures, lights or the number of light samples differ; \
+         fill a mesh for this one"
+    )]
+    OtherScene {
+        /// The file.
+        file: String,
+    },
+    /// A mesh file of other settings.
+    #[error("{file}: was made with {what}; its method is {method}, and the file itself says with which settings")]
+    OtherSettings {
+        /// The file.
+        file: String,
+        /// As `--method` spells it.
+        method: String,
+        /// What differs.
+        what: String,
+    },
+    /// What a mesh file says does not fit the scene.
+    #[error("{file}: {cause}")]
+    Mesh {
+        /// The file.
+        file: String,
+        /// What the mesh said.
+        cause: lightmesh::Error,
+    },
     /// The folder that should hold a file that is to be written is not there.
     #[error("{file}: the folder {folder} does not exist")]
     NoFolder {

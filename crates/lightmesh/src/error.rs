@@ -31,6 +31,14 @@ pub enum Error {
         /// What is wrong and what to check.
         what: String,
     },
+    /// Contents of a mesh that another mesh cannot take; it has not changed.
+    #[error("mesh contents: {place}: {what}")]
+    InvalidContents {
+        /// Which field, array and point.
+        place: String,
+        /// What is wrong and what to check.
+        what: String,
+    },
     /// The work would need more memory than allowed; nothing was allocated.
     #[error("{what} would need {} of memory, more than the limit of {}; {advice}, or raise --max-memory", human_bytes(*.needed_bytes), human_bytes(*.limit_bytes))]
     OutOfMemory {

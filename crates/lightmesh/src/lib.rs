@@ -5,8 +5,8 @@
 //! bleeding in ray tracing", GraphiCon 2001; *the paper* in all that follows.
 //!
 //! A [`SceneData`] says what there is, a [`Scene`] is checked and ready for rays, a [`LightMesh`] keeps the light from frame
-//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. Reading and writing files is the
-//! business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
+//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. [`Contents`] are what a mesh knows
+//! as plain arrays. Reading and writing files is the business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
 //!
 //! ```
 //! use lightmesh::geometry::{Sphere, TriangleMesh};
@@ -47,6 +47,7 @@ pub mod bvh;
 mod error;
 pub mod filling;
 mod film;
+mod fingerprint;
 pub mod geometry;
 mod image;
 mod integrator;
@@ -62,8 +63,11 @@ mod viewer;
 
 pub use aov::{Aov, Aovs, Layer};
 pub use error::Error;
+pub use fingerprint::Fingerprint;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
-pub use light_mesh::LightMesh;
+pub use light_mesh::{
+    Contents, Counts, DirectContents, DirectValues, IndirectContents, LatticeShape, LightMesh, PointContents,
+};
 pub use measure::{Measured, Meter, measure};
 pub use options::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};

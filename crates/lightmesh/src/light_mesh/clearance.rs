@@ -30,6 +30,19 @@ impl Clearance {
         }
         Self(bytes)
     }
+
+    /// The distances by side: all that there is to know.
+    pub(super) fn sides(self) -> [u8; 6] {
+        std::array::from_fn(|side| self.0[side])
+    }
+
+    /// The inverse of [`Clearance::sides`].
+    pub(super) fn from_sides(sides: [u8; 6]) -> Self {
+        let mut bytes = [0; 8];
+        bytes[..6].copy_from_slice(&sides);
+        bytes[Self::FREE_SIDES] = (0..6).map(|side| u8::from(sides[side] == Self::FREE) << side).sum();
+        Self(bytes)
+    }
 }
 
 /// The clearances of a cell's corners towards one side, in 1/255 of the spacing.
@@ -147,6 +160,14 @@ mod tests {
     fn transposing_moves_bit_i_of_row_j_to_bit_j_of_row_i() {
         for (i, j) in [(0, 0), (7, 0), (3, 5), (6, 7)] {
             assert_eq!(transpose(1 << (8 * j + i)), 1 << (8 * i + j));
+        }
+    }
+
+    #[test]
+    fn sides_say_all_of_a_clearance() {
+        let met = [Some(0.4), None, Some(0.0), Some(0.999_999), None, None];
+        for clearance in [Clearance::new(met), Clearance::ALL_FREE] {
+            assert_eq!(Clearance::from_sides(clearance.sides()), clearance);
         }
     }
 

@@ -60,7 +60,7 @@ impl Field {
     }
 
     /// Values per point.
-    fn stride(self) -> usize {
+    pub(super) fn stride(self) -> usize {
         match self {
             Self::SixAxis { .. } => 12,
             Self::ByLight { .. } => 0,
@@ -72,16 +72,16 @@ impl Field {
 /// Direct light at points of its mesh.
 #[derive(Debug)]
 pub(crate) struct DirectField {
-    points: Points,
-    field: Field,
-    values: Vec<Vec4>,
+    pub(super) points: Points,
+    pub(super) field: Field,
+    pub(super) values: Vec<Vec4>,
     lights: LightRegions,
     /// What points know of each light, where the method wants it.
-    bits: Option<LightBits>,
+    pub(super) bits: Option<LightBits>,
     /// The same where lights are clusters: then there are no bits.
-    runs: Option<LightRuns>,
+    pub(super) runs: Option<LightRuns>,
     /// The lanes that pad blocks of lights, a bit each.
-    padding: Vec<u64>,
+    pub(super) padding: Vec<u64>,
     /// The mean unshadowed field, for [`PaperScale::Constant`].
     constant: f32,
     max_memory: u64,

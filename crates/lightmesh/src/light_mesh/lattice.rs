@@ -7,8 +7,8 @@
 
 use glam::{DVec3, UVec3, Vec3};
 
-use super::Coordinate;
 use super::bricks::Bricks;
+use super::{Coordinate, LatticeShape};
 use crate::Error;
 use crate::geometry::Aabb;
 
@@ -124,6 +124,11 @@ impl Lattice {
         let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(Vec3::ZERO, last);
         let high = ((max - self.origin) * self.inv_spacing).floor().clamp(Vec3::ZERO, last);
         (low.as_uvec3(), high.as_uvec3())
+    }
+
+    /// Where its points may be.
+    pub(super) fn shape(&self) -> LatticeShape {
+        LatticeShape { origin: self.origin.to_array(), spacing: self.spacing, size: self.size.to_array() }
     }
 
     /// The lattice points of a box, both ends included; `None` where there are none.

@@ -26,6 +26,16 @@ impl LightBits {
         Self { words: lanes.div_ceil(64), bits: Vec::new() }
     }
 
+    /// Words of a row.
+    pub(super) fn words(&self) -> usize {
+        self.words
+    }
+
+    /// The words of the points from `first` on.
+    pub(super) fn since(&self, first: usize) -> &[u64] {
+        &self.bits[2 * self.words * first..]
+    }
+
     /// Memory per point, bytes.
     pub(super) fn bytes_per_point(&self) -> u64 {
         (2 * self.words * size_of::<u64>()) as u64

@@ -129,6 +129,11 @@ impl LightRegions {
         Tolerance { error: self.error, shadows: 0.0 }
     }
 
+    /// How many leaves the tree has; 0 where there is none.
+    pub(super) fn leaf_count(&self) -> u32 {
+        self.tree.as_ref().map_or(0, |tree| tree.len() as u32)
+    }
+
     /// The tree over the lights, if there is one.
     pub(super) fn tree(&self) -> Option<&LightTree> {
         self.tree.as_ref()

@@ -96,8 +96,15 @@ impl LightRuns {
         self.ends.push(self.runs.len());
     }
 
+    /// Whether these are runs as [`LightRuns::pack`] makes them, of so many leaves.
+    pub(super) fn are_sound(runs: &[u32], leaves: u32) -> bool {
+        let states = runs.iter().all(|&run| run & 3 < 3 && run >> 2 <= leaves);
+        let steps = runs.windows(2).all(|w| w[0] >> 2 < w[1] >> 2 && w[0] & 3 != w[1] & 3);
+        runs.first().is_some_and(|first| first >> 2 == 0) && states && steps
+    }
+
     /// The runs of a point.
-    fn of(&self, point: u32) -> &[u32] {
+    pub(super) fn of(&self, point: u32) -> &[u32] {
         let point = point as usize;
         let begin = if point > 0 { self.ends[point - 1] } else { 0 };
         &self.runs[begin..self.ends[point]]
@@ -134,6 +141,8 @@ mod tests {
         let known = [(0..4, State::Seen), (4..10, State::Seen), (10..12, State::Closed), (12..13, State::Seen)];
         assert_eq!(LightRuns::pack(known.into_iter()), [2, 41, 50, 52]);
         assert_eq!(LightRuns::pack(std::iter::empty()), [0]);
+        let unsound: [&[u32]; 6] = [&[], &[4], &[3], &[0, 8, 8], &[2, 9, 5], &[2, 54]];
+        assert!(unsound.into_iter().all(|runs| !LightRuns::are_sound(runs, 13)));
     }
 
     /// Intervals between ascending leaves.
@@ -172,6 +181,7 @@ mod tests {
                 packed.push(runs);
             }
             let none = LightRuns::default();
+            prop_assert!(packed.iter().all(|runs| LightRuns::are_sound(runs, 600)));
             prop_assert_eq!(all.bytes(), none.bytes_with(packed.iter().map(Vec::as_slice)));
             let steps: Vec<u32> = asked.iter().map(|asked| asked.0).collect();
             let asked: Vec<_> =

@@ -11,6 +11,7 @@ mod ahead;
 mod bounce;
 mod bricks;
 mod clearance;
+mod contents;
 mod direct;
 mod evaluate;
 mod final_gather;
@@ -37,6 +38,7 @@ pub(crate) mod wanted;
 use glam::{UVec3, Vec3};
 
 use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
+pub use contents::{Contents, Counts, DirectContents, DirectValues, IndirectContents, LatticeShape, PointContents};
 pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
 pub use gathering::{Gathering, LevelValues};
 pub(crate) use indirect::{IndirectField, IndirectReading};

@@ -106,6 +106,10 @@ impl Points {
         self.invalid.iter().map(|&address| self.place(address))
     }
 
+    pub(super) fn invalid_addresses(&self) -> &[Address] {
+        &self.invalid
+    }
+
     /// Distance between neighbours on the coarsest level, metres.
     pub(crate) fn spacing(&self) -> f32 {
         self.levels[0].lattice.spacing()

@@ -18,6 +18,7 @@ pub struct Scene {
     bvh: SceneBvh,
     frames: Vec<InstanceFrame>,
     emitters: Emitters,
+    emitter_options: EmitterOptions,
     pyramids: Vec<Pyramid>,
     solid: Vec<bool>,
     all_solid: bool,
@@ -72,12 +73,25 @@ impl Scene {
             })
             .collect();
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
-        let emitters = Emitters::new(&data, &bvh.bounds(), emitters)?;
+        let emitter_options = *emitters;
+        let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
         let pyramids = build_pyramids(&data);
         let level = Level::new();
         let all_solid = solid.iter().all(|&s| s);
         let all_double_sided = data.materials.iter().all(|material| material.double_sided);
-        Ok(Self { emitters, pyramids, all_solid, all_double_sided, data, bvh, frames, solid, warnings, level })
+        Ok(Self {
+            emitters,
+            emitter_options,
+            pyramids,
+            all_solid,
+            all_double_sided,
+            data,
+            bvh,
+            frames,
+            solid,
+            warnings,
+            level,
+        })
     }
 
     /// The description it was built from, mended where [`Scene::warnings`] says so.
@@ -113,6 +127,11 @@ impl Scene {
     /// Everything that shines and has a size.
     pub(crate) fn emitters(&self) -> &Emitters {
         &self.emitters
+    }
+
+    /// How they became light samples.
+    pub(crate) fn emitter_options(&self) -> &EmitterOptions {
+        &self.emitter_options
     }
 
     /// The samples of all emitters but those that gather rays find.

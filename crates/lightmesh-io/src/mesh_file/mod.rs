@@ -1,0 +1,106 @@
+//! Mesh files: what a light mesh knows, to go on from in another run, on another machine, or to look at in Python.
+//!
+//! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the header as JSON, and
+//! arrays of numbers, little-endian and row by row. Any reader of that format opens it.
+//!
+//! | array, of `direct` and `indirect` | type, shape | |
+//! |---|---|---|
+//! | `direct.lattice_origin`, `_spacing`, `_size` | F32 (L, 3), F32 (L), U32 (L, 3) | by level: point (i, j, k) lies at origin + spacing · (i, j, k) |
+//! | `direct.addresses` | U32 (N, 4) | level, i, j, k of each point that gives light |
+//! | `direct.positions` | F32 (N, 3) | where that is, metres |
+//! | `direct.clearances` | U8 (N, 6) | room towards ±x, ±y, ±z, in 1/255 of the spacing |
+//! | `direct.invalid`, `direct.invalid_positions` | U32 (M, 4), F32 (M, 3) | points inside solids |
+//! | `direct.six_axis` | F32 (N, 6, 2, 3) | lux on planes that face ±x, ±y, ±z: arriving, and if nothing were in the way |
+//! | or `direct.scalar` | F32 (N, 2, 3) | the paper's DirectLight, and what it is divided by |
+//! | or `direct.light_bits` | U64 (N, 2, W) | what is known of each light |
+//! | or `direct.run_ends`, `direct.runs` | U64 (N), U32 (R) | the same of clusters of lights |
+//! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
+//! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
+//!
+//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the addresses.
+//!
+//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings` (JSON), `units`, `scene` and
+//! `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a checksum for each array. Equal meshes are equal
+//! files.
+
+mod arrays;
+mod read;
+mod tensor;
+mod write;
+
+use std::path::Path;
+
+use lightmesh::{Contents, Counts, Fingerprint, LightMesh, RenderOptions, Scene};
+
+use crate::Error;
+use crate::error::one_line;
+
+pub use read::{mesh_from_bytes, read_mesh};
+pub use write::{mesh_to_bytes, write_mesh};
+
+/// What a mesh file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Of the scene that the mesh belongs to.
+    pub scene: Fingerprint,
+    /// Of the settings that its points depend on.
+    pub settings_fingerprint: Fingerprint,
+    /// Program and version, as in `lightmesh 0.1.0`.
+    pub software: String,
+    /// How light was computed, as `--method` spells it.
+    pub method: String,
+    /// Every setting, as a JSON object.
+    pub settings: String,
+    /// What the mesh knows.
+    pub contents: Contents,
+}
+
+impl MeshFile {
+    /// All that `mesh` knows, which belongs to this scene and these options. `software`, `method` and `settings` are for who reads the file.
+    pub fn new(
+        scene: &Scene,
+        options: &RenderOptions,
+        mesh: &LightMesh,
+        (software, method, settings): (&str, &str, &str),
+    ) -> Self {
+        Self {
+            scene: Fingerprint::of_scene(scene),
+            settings_fingerprint: Fingerprint::of_settings(options),
+            software: software.into(),
+            method: method.into(),
+            settings: settings.into(),
+            contents: mesh.contents_since(&Counts::default()),
+        }
+    }
+
+    /// How many bounces its mesh was made for; 0 where it has no indirect light.
+    pub fn bounces(&self) -> u32 {
+        self.contents.indirect.as_ref().map_or(0, |indirect| indirect.bounces)
+    }
+
+    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
+    /// messages.
+    ///
+    /// # Errors
+    /// [`Error::OtherScene`], [`Error::OtherSettings`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.
+    pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
+        let name = || one_line(file.display());
+        if self.scene != Fingerprint::of_scene(scene) {
+            return Err(Error::OtherScene { file: name() });
+        }
+        let (method, bounces) = (one_line(&self.method), self.bounces());
+        let other = |what: String| Err(Error::OtherSettings { file: name(), method: method.clone(), what });
+        if self.settings_fingerprint != Fingerprint::of_settings(options) {
+            return other("other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or seed".into());
+        }
+        // A mesh without bounces may have indirect light, if it is only emission.
+        if bounces < options.bounces {
+            return other(format!("{bounces} bounces, not {}", options.bounces));
+        }
+        let failed = |cause| Error::Mesh { file: name(), cause };
+        let options = RenderOptions { bounces, ..options.clone() };
+        let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
+        mesh.absorb(&self.contents).map_err(failed)?;
+        Ok(mesh)
+    }
+}

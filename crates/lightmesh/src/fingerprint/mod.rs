@@ -1,0 +1,126 @@
+//! Fingerprints: whether a light mesh that comes from elsewhere belongs to this scene and these settings.
+
+mod digest;
+mod scene;
+
+use std::fmt;
+use std::str::FromStr;
+
+use digest::Digest;
+
+use crate::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Scene, Spacing};
+
+/// Counts up where the value of a mesh point becomes another: what an older version has evaluated then is not taken for this one's.
+const VALUES_VERSION: u64 = 1;
+
+/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are no protection
+/// against who means to deceive.
+///
+/// Written as 32 hexadecimal digits; [`FromStr`] reads them back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Fingerprint(pub u128);
+
+impl Fingerprint {
+    /// Of everything in a scene that light depends on: surfaces and their places, materials, textures, lights, the environment, and how
+    /// emitters become light samples; not of cameras and names. Of a user-defined shape it is the box and what `Debug` writes. It takes
+    /// about a second per two gigabytes of vertices and texels.
+    pub fn of_scene(scene: &Scene) -> Self {
+        scene::fingerprint(scene)
+    }
+
+    /// Of the settings that values of mesh points depend on: method (`hybrid` and `unbiased` have the same points), falloff,
+    /// neighbourhood and weights, spacings, number of levels, light error, gather rays, depth and seed, and whether the error is bounded.
+    /// Not of the number of bounces, which [`Contents`](crate::Contents) tell.
+    pub fn of_settings(options: &RenderOptions) -> Self {
+        let mut digest = Digest::new("lightmesh settings");
+        let paper = options.method == Method::Paper;
+        digest.number(VALUES_VERSION);
+        digest.number(match (options.knows_lights(), paper) {
+            (true, _) => 1,
+            (false, true) => 2,
+            (false, false) => 0,
+        });
+        digest.number(u64::from(options.error.is_some()));
+        falloff(&mut digest, options.falloff);
+        if paper {
+            falloff(&mut digest, options.field_falloff);
+            digest.number(match options.paper_scale {
+                PaperScale::Visibility => 0,
+                PaperScale::Constant => 1,
+            });
+        }
+        spacing(&mut digest, options.spacing);
+        spacing(&mut digest, options.indirect_spacing);
+        let interpolation = match options.interpolation {
+            Interpolation::Auto if paper => Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS },
+            Interpolation::Auto => Interpolation::Trilinear,
+            other => other,
+        };
+        match interpolation {
+            Interpolation::Auto | Interpolation::Trilinear => digest.number(0),
+            Interpolation::TrilinearWith(rule) => {
+                digest.number(1);
+                digest.number(match rule {
+                    MissingCorners::Zero => 0,
+                    MissingCorners::Nearest => 1,
+                    MissingCorners::Mirror => 2,
+                    MissingCorners::One => 3,
+                });
+            }
+            Interpolation::Sphere { radius } => {
+                digest.number(2);
+                digest.floats([radius]);
+            }
+            Interpolation::Nearest => digest.number(3),
+        }
+        digest.number(match options.weight {
+            PointWeight::Constant => 0,
+            PointWeight::Gaussian => 1,
+            PointWeight::Inverse => 2,
+            PointWeight::Cosine => 3,
+        });
+        digest.number(u64::from(options.finer_levels()));
+        digest.floats([options.light_error]);
+        digest.number(u64::from(options.gather_rays));
+        digest.number(u64::from(options.depth));
+        digest.number(options.seed);
+        digest.finish()
+    }
+}
+
+fn falloff(digest: &mut Digest, falloff: Falloff) {
+    match falloff {
+        Falloff::InverseSquare => digest.number(0),
+        Falloff::ConstantPlusDistance { constant } => {
+            digest.number(1);
+            digest.floats([constant]);
+        }
+    }
+}
+
+fn spacing(digest: &mut Digest, spacing: Spacing) {
+    let (kind, x) = match spacing {
+        Spacing::Auto => (0, 0.0),
+        Spacing::Fraction(k) => (1, k),
+        Spacing::Metres(h) => (2, h),
+    };
+    digest.number(kind);
+    digest.floats([x]);
+}
+
+impl fmt::Display for Fingerprint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+impl FromStr for Fingerprint {
+    type Err = std::num::ParseIntError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        u128::from_str_radix(text, 16).map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests;
