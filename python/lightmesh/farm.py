@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from lightmesh._native import Camera, Image, Scene, _option_defaults
-from lightmesh.cluster import ClusterError, bake, render_frames
+from lightmesh.cluster import bake, render_frames
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError
 

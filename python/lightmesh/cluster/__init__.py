@@ -6,8 +6,8 @@
 >>> for frame, image in cluster.render_frames(scene, scene.cameras, mesh=None, job="frames.job"):
 ...     image.save(f"frame.{frame:04}.exr")
 
-A picture is the one that `Scene.render` makes, bit for bit, whatever the number of workers and whichever of them die. docs/scaling.md says
-how work is cut, what travels and where more machines bring nothing.
+A picture is the one that `Scene.render` makes, bit for bit, whatever the number of workers and whichever of them die.
+docs/scaling.md says how work is cut, what travels and where more machines bring nothing.
 """
 
 from lightmesh.cluster.errors import ClusterError, JobInUseError, JobMismatchError, RayMissingError

@@ -12,7 +12,8 @@ TASKS_PER_WORKER = 20
 
 
 def cut_waves(waves: Sequence[int], tasks: int) -> list[tuple[int, int, int]]:
-    """Cuts frames with so many waves each into ranges of waves, about `tasks` in all: (frame, first, last), last excluded.
+    """Cuts frames with so many waves each into ranges of waves, about `tasks` in all: (frame, first, last), last
+    excluded.
 
     A range is of one frame: where there are more frames than tasks, each is one range.
     """
@@ -26,7 +27,8 @@ def cut_waves(waves: Sequence[int], tasks: int) -> list[tuple[int, int, int]]:
 
 
 def cut_bricks(bricks: Array, tasks: int) -> list[Array]:
-    """Cuts bricks into at most `tasks` groups of about as many points each. Bricks of a group are neighbours in order, and one brick is never cut.
+    """Cuts bricks into at most `tasks` groups of about as many points each. Bricks of a group are neighbours in order,
+    and one brick is never cut.
 
     bricks: (N, 9), as `PictureJob.demand` has them.
     """

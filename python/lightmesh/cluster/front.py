@@ -23,17 +23,22 @@ class Farm:
     """How a job is done. Nothing of its pictures depends on it."""
 
     address: str | None = None
-    """Of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores alone."""
+    """Of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores
+    alone."""
     job: str | PathLike[str] | None = None
-    """A folder that keeps what is done: the same job goes on there after its process has ended. None: nothing is kept."""
+    """A folder that keeps what is done: the same job goes on there after its process has ended. None: nothing is
+    kept."""
     threads: int | None = None
     """Of each worker; None: as many as the smallest node that takes part has cores."""
     memory: int | None = None
-    """Bytes that Ray sets aside for each worker; None: none. A worker takes the scene, the mesh (max_memory at most) and gather_memory."""
+    """Bytes that Ray sets aside for each worker; None: none. A worker takes the scene, the mesh (max_memory at most)
+    and gather_memory."""
     gather_memory: int = GATHER_BYTES
-    """Bytes for gathered points that a worker keeps from one reflection to the next; those that do not fit are gathered for again."""
+    """Bytes for gathered points that a worker keeps from one reflection to the next; those that do not fit are
+    gathered for again."""
     progress: Progress = None
-    """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as they are known."""
+    """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as
+    they are known."""
     stats: dict[str, Any] | None = None
     """Takes up what the job took: stages, workers with their memory, bytes."""
     executor: Executor | None = None

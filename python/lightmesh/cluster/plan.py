@@ -1,16 +1,17 @@
-"""What depends on what: from the frames of a job to its light mesh and its pictures. Who does the tasks is an executor's affair.
+"""What depends on what: from the frames of a job to its light mesh and its pictures. Who does the tasks is an
+executor's affair.
 
 For each level of the meshes (there is one, unless they are refined):
 
 1. demand: which mesh points the samples of some waves read;
-2. gather: rays from some points of the indirect mesh, and which points of both meshes their hits read. Those that are new are gathered for in
-   their turn, until there are none;
+2. gather: rays from some points of the indirect mesh, and which points of both meshes their hits read. Those that are
+   new are gathered for in their turn, until there are none;
 3. fill: some points of the direct mesh;
-4. bounce k: what arrives at some points of the indirect mesh after k reflections, of which it needs what arrives at all of them after
-   k - 1; so there is a barrier before each.
+4. bounce k: what arrives at some points of the indirect mesh after k reflections, of which it needs what arrives at
+   all of them after k - 1; so there is a barrier before each.
 
-Then pictures: waves of samples, and once a frame has all of them, those of the pixels on outlines of lamps. All of it is only done for
-speed up to here: what the mesh lacks is filled by whoever reads it, and is the same.
+Then the pictures: waves of samples and, once a frame has all of them, those of the pixels on outlines of lamps. What
+comes before is for speed alone: what the mesh lacks is filled by whoever reads it, and is the same.
 """
 
 import hashlib
@@ -157,7 +158,8 @@ class Plan:
         return direct, indirect
 
     def _gather(self, wanted: Array) -> tuple[list[_Group], Array]:
-        """Gathers for points and for those that they want in their turn; the groups, and what they want of the direct mesh."""
+        """Gathers for points and for those that they want in their turn; the groups, and what they want of the direct
+        mesh."""
         groups: list[_Group] = []
         direct: list[Array] = []
         new = subtract_bricks(wanted, self._indirect)
@@ -247,8 +249,8 @@ class Plan:
             yield name, f"bricks {first}-{last}", part
 
     def _finish(self, stage: str, queue: deque[Task]) -> Iterator[tuple[Task, Result, str | None]]:
-        """Does the tasks of a queue, to which more may be added meanwhile: each with its result, and the node that did it. What the job folder
-        has is not done again."""
+        """Does the tasks of a queue, to which more may be added meanwhile: each with its result, and the node that did
+        it. What the job folder has is not done again."""
         self._total += len(queue)
         folder = self._folder
         found: deque[Task] = deque()

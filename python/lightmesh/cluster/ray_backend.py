@@ -1,8 +1,8 @@
 """Tasks on a Ray cluster.
 
-Each task asks for all cores of a worker, so that a node runs one worker process at a time, with threads inside. Nodes with twice the cores
-run two; nodes with less than half of the cores of the largest are left out. Ray repeats a task whose process or node has died; an
-exception that a task raises ends the job.
+Each task asks for all cores of a worker, so that a node runs one worker process at a time, with threads inside. Nodes
+with twice the cores run two; nodes with less than half of the cores of the largest are left out. Ray repeats a task
+whose process or node has died; an exception that a task raises ends the job.
 """
 
 import importlib
@@ -43,10 +43,11 @@ class RayExecutor:
         memory: int | None = None,
         execute: Execute = worker.execute,
     ) -> None:
-        """address: of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores alone.
+        """address: of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its
+        cores alone.
 
-        threads: of each worker; None: as many as the smallest node that takes part has cores. memory: bytes that Ray sets aside for
-        each worker; None: none.
+        threads: of each worker; None: as many as the smallest node that takes part has cores. memory: bytes that Ray
+        sets aside for each worker; None: none.
         """
         self._began = not ray.is_initialized()
         if self._began:
@@ -104,7 +105,8 @@ class RayExecutor:
             ray.shutdown()
 
     def _wait(self) -> list[Any]:
-        """Tasks that are done: one at least, and all that are by then, since asking takes the longer the more there are."""
+        """Tasks that are done: one at least, and all that are by then, since asking takes the longer the more there
+        are."""
         started = time.perf_counter()
         references = list(self._running)
         ray.wait(references, num_returns=1)

@@ -2,9 +2,9 @@
 
     python -m lightmesh.cluster.simulate JOB_FOLDER --nodes 1,10,100,1000
 
-What is simulated: one process that hands tasks out, one after the other; a network card at each node, through which bytes pass one
-after the other; workers that do one task at a time, and set themselves up before their first one; the barriers. Not simulated:
-nodes of different speed, failures, and other traffic.
+What is simulated: one process that hands tasks out, one after the other; a network card at each node, through which
+bytes pass one after the other; workers that do one task at a time, and set themselves up before their first one; the
+barriers. Not simulated: nodes of different speed, failures, and other traffic.
 """
 
 import argparse
@@ -33,7 +33,8 @@ class Machines:
     driver_seconds: float = 1e-3
     """Of the process that hands tasks out, for each of them; measured by tools/farm_scaling.py."""
     is_tree: bool = False
-    """Whether nodes pass on what is shared, so that it takes log2(nodes + 1) steps; else the first node sends it to each."""
+    """Whether nodes pass on what is shared, so that it takes log2(nodes + 1) steps; else the first node sends it to
+    each."""
 
 
 @dataclass(frozen=True)

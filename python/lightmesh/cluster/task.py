@@ -41,7 +41,8 @@ class Task:
     pieces: int
     """Into how many tasks it could be cut: waves, or bricks."""
     contents: tuple[Shared, ...] = ()
-    """The light mesh as far as it is filled, in the order in which it was. What is missing of it is filled by the task itself."""
+    """The light mesh as far as it is filled, in the order in which it was. What is missing of it is filled by the task
+    itself."""
     shared: tuple[Shared, ...] = ()
     """More for the worker's function, fetched only where it is used."""
     home: str | None = None
@@ -60,8 +61,8 @@ class Outcome:
     seconds: float
     """All that the worker did for it."""
     setup_seconds: float
-    """Of these, for what other tasks of the process share: the scene, the picture's preparation, taking over the mesh; and for gathered
-    points that were gone."""
+    """Of these, for what other tasks of the process share: the scene, the picture's preparation, taking over the mesh;
+    and for gathered points that were gone."""
     fetch_seconds: float
     """Of these, until things that are shared were there."""
     bytes_in: int
@@ -90,11 +91,11 @@ class Executor(Protocol):
         """The value."""
 
     def run(self, job: Shared, next_task: Callable[[], Task | None]) -> Iterator[tuple[Task, Outcome]]:
-        """Does tasks of a job in any order and yields each when it is done. Asks for the next one when there is room, so that tasks may be added
-        while results come; ends when there is none and all are done. A generator that is closed early gives up what it has begun."""
+        """Does tasks of a job in any order and yields each when it is done. Asks for the next one when there is room,
+        so that tasks may be added while results come; ends when there is none and all are done."""
 
     def close(self) -> None:
-        """Lets go of everything."""
+        """Gives up what has begun, and lets go of everything."""
 
 
 def size_of(result: Result) -> int:

@@ -1,7 +1,7 @@
 """What a worker process does: tasks of one job, with what earlier ones have left.
 
-The scene, the light mesh as far as it is filled and gathered points are kept from task to task. All of it can be made again, so
-that a task may run in any process and again after a process has died.
+The scene, the light mesh as far as it is filled and gathered points are kept from task to task. All of it can be made
+again, so that a task may run in any process and again after a process has died.
 """
 
 import os

@@ -132,7 +132,8 @@ def end_at_the_third_wave(stage, done, total, rays):
     if stage == "render" and rays and total - done == 2:
         os.kill(os.getpid(), signal.SIGKILL)
 
-render(Scene.load(sys.argv[1]), executor=LocalExecutor(2), job=sys.argv[2], progress=end_at_the_third_wave, **eval(sys.argv[3]))
+render(Scene.load(sys.argv[1]), executor=LocalExecutor(2), job=sys.argv[2], progress=end_at_the_third_wave,
+**eval(sys.argv[3]))
 """
 
 
