@@ -114,11 +114,11 @@ def test_a_job_goes_on_after_its_driver_was_killed(
     arguments = [cluster, str(scene_file), str(job), repr(OPTIONS)]
     killed = subprocess.run([sys.executable, "-c", DRIVER, *arguments], timeout=60)
     assert killed.returncode == -signal.SIGKILL
-    done = len(list((job / "waves").iterdir()))
-    assert done == 1
+    done = len(list((job / "waves").glob("*.npz")))
+    assert 0 < done < 5
     stats: dict[str, Any] = {}
     assert_same(render(scene, job=job, stats=stats, **OPTIONS), scene.render(**OPTIONS))
     tasks = {stage["stage"]: stage["tasks"] for stage in stats["stages"]}
-    # Not one brick, and not the wave that was there
+    # Not one brick, and not the waves that were there
     assert tasks.pop("render") == 5 - done
     assert set(tasks.values()) == {0}
