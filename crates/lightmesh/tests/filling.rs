@@ -4,9 +4,10 @@ mod common;
 
 use common::*;
 
-use lightmesh::filling::{self, BrickPoints, Wanted};
+use glam::Vec3;
+use lightmesh::filling::{self, BrickPoints, Gathering, LevelValues, Wanted};
 use lightmesh::portions::{self, PictureSamples};
-use lightmesh::{Error, Interpolation, LightMesh, Method, RenderOptions, Scene, render};
+use lightmesh::{Contents, Error, Interpolation, LightMesh, Method, RenderOptions, Scene, render};
 
 /// Every point that a picture reads is wanted before: filled by then, none is left for the picture.
 #[test]
@@ -35,6 +36,110 @@ fn demand_is_what_a_picture_reads() {
             assert_eq!(mine, 0, "{method:?} {refine:?}: {mine} of {all} shadow rays");
             assert_eq!(frame.image, shoot(&scene, &camera, &options).image, "{method:?} {refine:?}");
         }
+    }
+}
+
+/// The mesh of a third machine, which takes in what two have learned.
+fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
+    let camera = room_camera();
+    let new = || LightMesh::new(scene, options).expect("mesh");
+    let mut meshes = [new(), new(), new()];
+    let prepared: Vec<_> = meshes
+        .iter_mut()
+        .map(|mesh| portions::prepare(scene, &camera, options, mesh, &()).expect("prepared"))
+        .collect();
+    let mut gathered_for = Wanted::default();
+    for _ in 0..meshes[0].level_count() {
+        // Waves in turn.
+        let mut wanted = Wanted::default();
+        for i in 0..portions::wave_count(options).expect("count") {
+            let at = i as usize % 2;
+            let part = (&prepared[at], PictureSamples::All, i..i + 1);
+            let more = filling::demand(scene, &camera, options, &mut meshes[at], part, &()).expect("wanted");
+            wanted.join(&more);
+        }
+
+        // Groups of a brick or two, until no point is new.
+        let mut groups: Vec<Gathering> = Vec::new();
+        let mut new = Wanted { direct: Vec::new(), indirect: wanted.indirect.clone() };
+        while !new.is_empty() {
+            let first = groups.len();
+            for bricks in new.indirect.chunks(2) {
+                groups.push(Gathering::new(scene, options, &meshes[0], bricks, &()).expect("group"));
+            }
+            gathered_for.join(&new);
+            new = Wanted::default();
+            for group in &groups[first..] {
+                let further = group.wanted(scene, &meshes[0]);
+                new.join(&Wanted { direct: Vec::new(), indirect: further.indirect });
+                wanted.join(&Wanted { direct: further.direct, indirect: Vec::new() });
+            }
+            new.remove(&gathered_for);
+        }
+
+        // Bricks of direct light in turn, the last first.
+        let learned: Vec<Contents> = (wanted.direct.chunks(3).rev().zip([0, 1].into_iter().cycle()))
+            .map(|(bricks, at)| {
+                filling::fill_direct(scene, options, &mut meshes[at], bricks, &()).expect("filled");
+                let of = Wanted { direct: bricks.to_vec(), indirect: Vec::new() };
+                meshes[at].contents_of(&of).expect("contents")
+            })
+            .collect();
+        for contents in &learned {
+            meshes.iter_mut().for_each(|mesh| mesh.absorb(contents).expect("absorbed"));
+        }
+
+        // Reflection after reflection, all groups each.
+        for (i, group) in groups.iter_mut().enumerate() {
+            group.light(scene, options, &mut meshes[i % 2], &()).expect("light");
+        }
+        let mut below = LevelValues::default();
+        for k in 0..=options.bounces {
+            let mut level = LevelValues::default();
+            for group in groups.iter_mut().rev() {
+                level.append(&group.bounce(scene, k, &below).expect("level"));
+            }
+            below = level;
+        }
+        for group in &groups {
+            let contents = group.contents(&meshes[0]);
+            meshes.iter_mut().for_each(|mesh| mesh.absorb(&contents).expect("absorbed"));
+        }
+    }
+    let [_, _, mesh] = meshes;
+    mesh
+}
+
+/// A mesh that two machines filled together gives the picture, and leaves almost nothing to fill: points that surfaces without
+/// any to read ask for are found out on the way.
+#[test]
+fn a_mesh_that_several_fill_is_the_mesh_that_one_fills() {
+    // A wall that shines a little is found by gather rays alone.
+    let [dark, shining] = [0.0, 0.02].map(|emission| {
+        let mut data = room_with_mirror();
+        data.materials[0].emission = Vec3::splat(emission);
+        Scene::new(data).expect("scene")
+    });
+    for (scene, method, bounces, refine) in [
+        (&dark, Method::Mesh, 0, None),
+        (&dark, Method::Mesh, 1, None),
+        (&dark, Method::Mesh, 2, Some(1)),
+        (&dark, Method::Paper, 3, None),
+        (&dark, Method::Hybrid, 3, None),
+        (&shining, Method::Mesh, 0, None),
+        (&shining, Method::Mesh, 3, None),
+    ] {
+        let base = RenderOptions { width: 200, height: 150, spp: 3, gather_rays: 32, ..options(method) };
+        let options = RenderOptions { bounces, refine, ..base };
+        let whole = shoot(scene, &room_camera(), &options);
+        let mut mesh = fill_by_two(scene, &options);
+        let before = (mesh.stats().points_used, mesh.indirect_stats().points_used);
+        let frame = render(scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
+        let case = format!("{method:?}, {bounces} bounces, {refine:?}");
+        assert_eq!(frame.image, whole.image, "{case}");
+        let after = (mesh.stats().points_used, mesh.indirect_stats().points_used);
+        assert!(after.0 - before.0 <= after.0 / 50, "{case}: {before:?} points, then {after:?}");
+        assert!(after.1 - before.1 <= after.1 / 50, "{case}: {before:?} points, then {after:?}");
     }
 }
 

@@ -30,8 +30,10 @@ use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage
 #[derive(Debug)]
 pub struct Gathering {
     /// A mesh of these points alone, which come first, and of those that their hits read.
-    field: IndirectField,
+    pub(super) field: IndirectField,
     own: usize,
+    /// Of its points, those inside solids.
+    pub(super) own_invalid: usize,
     /// The rays, until they have light.
     gathers: Vec<Gather>,
     gathered: Gathered,
@@ -80,7 +82,7 @@ impl Gathering {
         let mut marks = field.points().marks();
         wanted::mark(field.points(), bricks, &marks)?;
         let mut rays = RayCounts { secondary: field.probe(scene, &mut marks, 0)?, ..RayCounts::default() };
-        let own = field.points().len();
+        let (own, own_invalid) = (field.points().len(), field.points().invalid_addresses().len());
         let reporter = Reporter::new(progress, Stage::Fill, own as u64);
 
         let directions = sphere_directions(field.gather_rays);
@@ -97,7 +99,7 @@ impl Gathering {
                 return Err(Error::Cancelled);
             }
         }
-        Ok(Self { field, own, gathers, gathered, rays })
+        Ok(Self { field, own, own_invalid, gathers, gathered, rays })
     }
 
     /// How many points it is for, those inside solids left out.

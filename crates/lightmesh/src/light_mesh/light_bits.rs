@@ -31,9 +31,9 @@ impl LightBits {
         self.words
     }
 
-    /// The words of the points from `first` on.
-    pub(super) fn since(&self, first: usize) -> &[u64] {
-        &self.bits[2 * self.words * first..]
+    /// The words of a point.
+    pub(super) fn of(&self, point: u32) -> &[u64] {
+        &self.bits[2 * self.words * point as usize..][..2 * self.words]
     }
 
     /// Memory per point, bytes.

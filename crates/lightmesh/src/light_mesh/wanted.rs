@@ -55,6 +55,23 @@ impl Wanted {
         join(&mut self.direct, &other.direct);
         join(&mut self.indirect, &other.indirect);
     }
+
+    /// Takes away what somebody already has.
+    pub fn remove(&mut self, other: &Self) {
+        remove(&mut self.direct, &other.direct);
+        remove(&mut self.indirect, &other.indirect);
+    }
+}
+
+/// Takes points away from bricks.
+fn remove(bricks: &mut Vec<BrickPoints>, others: &[BrickPoints]) {
+    bricks.retain_mut(|brick| {
+        let other = others.binary_search_by_key(&(brick.level, brick.brick), |other| (other.level, other.brick));
+        if let Ok(i) = other {
+            brick.places.iter_mut().zip(others[i].places).for_each(|(places, known)| *places &= !known);
+        }
+        !brick.is_empty()
+    });
 }
 
 /// Adds bricks to others, each of which then is there once, in order.
@@ -89,6 +106,22 @@ pub(super) fn take(marks: &mut Marks) -> Vec<BrickPoints> {
 /// # Errors
 /// [`Error::InvalidOption`] for bricks that the mesh does not have.
 pub(crate) fn mark(points: &Points, bricks: &[BrickPoints], marks: &Marks) -> Result<(), Error> {
+    each(points, bricks, |level, brick, local, slot| {
+        if slot == Slot::Empty {
+            marks.set(level, brick, local);
+        }
+    })
+}
+
+/// Hands out level, brick and place of each point, and its slot.
+///
+/// # Errors
+/// As [`mark`].
+pub(super) fn each(
+    points: &Points,
+    bricks: &[BrickPoints],
+    mut take: impl FnMut(u32, usize, usize, Slot),
+) -> Result<(), Error> {
     for &BrickPoints { level, brick, places } in bricks {
         let known = (level < points.level_count()).then(|| points.level(level));
         let Some(known) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
@@ -97,7 +130,7 @@ pub(crate) fn mark(points: &Points, bricks: &[BrickPoints], marks: &Marks) -> Re
         };
         let slots = known.bricks.brick(brick as usize);
         let set = (0..512).filter(|place| places[place / 64] >> (place % 64) & 1 != 0);
-        set.filter(|&place| slots.at(place) == Slot::Empty).for_each(|place| marks.set(level, brick as usize, place));
+        set.for_each(|place| take(level, brick as usize, place, slots.at(place)));
     }
     Ok(())
 }

@@ -4,9 +4,12 @@ use glam::Vec4;
 
 use super::super::LightMesh;
 use super::super::direct::{DirectField, Field};
+use super::super::gathering::Gathering;
 use super::super::indirect::IndirectField;
+use super::super::wanted::Wanted;
 use super::values::rgb;
-use super::{Contents, Counts, DirectContents, DirectValues, IndirectContents, PointCounts};
+use super::{Contents, Counts, DirectContents, DirectValues, IndirectContents, PointContents, PointCounts};
+use crate::Error;
 
 impl LightMesh {
     /// How much it knows now.
@@ -26,23 +29,73 @@ impl LightMesh {
             indirect: self.indirect.as_ref().map(|field| field.contents_since(counts)),
         }
     }
+
+    /// A copy of what it knows of some points; those that are empty are left out.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] for bricks that the mesh does not have.
+    pub fn contents_of(&self, wanted: &Wanted) -> Result<Contents, Error> {
+        let (points, indices) = self.direct.points.contents_of(&wanted.direct)?;
+        let direct = self.direct.contents(points, indices.into_iter());
+        let indirect = match &self.indirect {
+            Some(field) => {
+                let (points, indices) = field.points.contents_of(&wanted.indirect)?;
+                Some(field.contents(points, &indices))
+            }
+            None => None,
+        };
+        Ok(Contents { direct, indirect })
+    }
+}
+
+impl Gathering {
+    /// What the mesh that it was made with is to know of its points, when they have all their levels.
+    pub fn contents(&self, mesh: &LightMesh) -> Contents {
+        let own: Vec<u32> = (0..self.len() as u32).collect();
+        let (hit_irradiance, hit_count) = self.field.hit_irradiance;
+        let mut points = self.field.points.contents_since(PointCounts::default());
+        points.addresses.truncate(own.len());
+        points.clearances.truncate(own.len());
+        points.invalid.truncate(self.own_invalid);
+        let indirect = IndirectContents { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
+        let nothing = PointContents {
+            addresses: Vec::new(),
+            clearances: Vec::new(),
+            invalid: Vec::new(),
+            ..mesh.direct.points.contents_since(mesh.counts().direct)
+        };
+        Contents { direct: mesh.direct.contents(nothing, std::iter::empty()), indirect: Some(indirect) }
+    }
 }
 
 impl DirectField {
     fn contents_since(&self, counts: PointCounts) -> DirectContents {
         let points = self.points.contents_since(counts);
-        let first = self.points.len() - points.addresses.len();
+        let first = (self.points.len() - points.addresses.len()) as u32;
+        self.contents(points, first..self.points.len() as u32)
+    }
+
+    /// What the points with these indices know.
+    fn contents(&self, points: PointContents, indices: impl Iterator<Item = u32>) -> DirectContents {
+        let stride = self.field.stride();
+        let numbers = |indices: &mut dyn Iterator<Item = u32>| {
+            indices.flat_map(|i| rgb(&self.values[i as usize * stride..][..stride])).collect()
+        };
+        let mut indices = indices;
         let values = match (self.field, &self.bits, &self.runs) {
-            (Field::SixAxis { .. }, ..) => DirectValues::SixAxis(rgb(&self.values[first * self.field.stride()..])),
-            (Field::Scalar { .. }, ..) => DirectValues::Scalar(rgb(&self.values[first * self.field.stride()..])),
+            (Field::SixAxis { .. }, ..) => DirectValues::SixAxis(numbers(&mut indices)),
+            (Field::Scalar { .. }, ..) => DirectValues::Scalar(numbers(&mut indices)),
             (Field::ByLight { .. }, Some(bits), _) => {
-                DirectValues::Lights { words: bits.words() as u32, bits: bits.since(first).to_vec() }
+                let bits_of = |i| bits.of(i).iter().copied();
+                DirectValues::Lights { words: bits.words() as u32, bits: indices.flat_map(bits_of).collect() }
             }
             (Field::ByLight { .. }, None, runs) => {
                 let (mut ends, mut all) = (Vec::with_capacity(points.addresses.len()), Vec::new());
-                for point in runs.iter().flat_map(|runs| (first..self.points.len()).map(|i| runs.of(i as u32))) {
-                    all.extend_from_slice(point);
-                    ends.push(all.len() as u64);
+                if let Some(runs) = runs {
+                    for i in indices {
+                        all.extend_from_slice(runs.of(i));
+                        ends.push(all.len() as u64);
+                    }
                 }
                 DirectValues::Runs { ends, runs: all }
             }
@@ -54,21 +107,26 @@ impl DirectField {
 impl IndirectField {
     fn contents_since(&self, counts: &Counts) -> IndirectContents {
         let points = self.points.contents_since(counts.indirect);
-        let sides = self.sides.count();
-        let first = (self.points.len() - points.addresses.len()) * sides;
-        let mut values = Vec::with_capacity(self.levels.len() * points.addresses.len() * sides * 3);
-        for level in &self.levels {
-            values.extend(level[first..].iter().flat_map(|v: &Vec4| v.truncate().to_array()));
-        }
+        let first = self.points.len() - points.addresses.len();
+        let indices: Vec<u32> = (first as u32..self.points.len() as u32).collect();
         let (sum, count) = self.hit_irradiance;
         let (sum_before, count_before) = counts.hit_irradiance;
         IndirectContents {
-            points,
-            bounces: self.levels.len() as u32 - 1,
-            sides: sides as u32,
-            values,
             hit_irradiance: (sum - sum_before).max(0.0),
             hit_count: count.saturating_sub(count_before),
+            ..self.contents(points, &indices)
         }
+    }
+
+    /// What the points with these indices know; of gather hits nothing.
+    fn contents(&self, points: PointContents, indices: &[u32]) -> IndirectContents {
+        let sides = self.sides.count();
+        let mut values = Vec::with_capacity(self.levels.len() * indices.len() * sides * 3);
+        for level in &self.levels {
+            let of_point = |&i: &u32| level[i as usize * sides..][..sides].iter();
+            values.extend(indices.iter().flat_map(of_point).flat_map(|v: &Vec4| v.truncate().to_array()));
+        }
+        let (bounces, sides) = (self.levels.len() as u32 - 1, sides as u32);
+        IndirectContents { points, bounces, sides, values, hit_irradiance: 0.0, hit_count: 0 }
     }
 }

@@ -8,6 +8,7 @@ use super::super::bricks::Slot;
 use super::super::clearance::Clearance;
 use super::super::lattice;
 use super::super::points::{Address, Points};
+use super::super::wanted::{self, BrickPoints};
 use super::values::{check_length, refuse};
 use super::{LatticeShape, PointContents, PointCounts};
 use crate::Error;
@@ -29,6 +30,26 @@ impl Points {
             clearances: (first..self.len()).map(|i| self.clearance(i as u32).sides()).collect(),
             invalid: invalid[counts.invalid.min(invalid.len())..].iter().map(plain).collect(),
         }
+    }
+
+    /// Those of some bricks that are not empty, in order, and the indices of those that give light.
+    pub(super) fn contents_of(&self, bricks: &[BrickPoints]) -> Result<(PointContents, Vec<u32>), Error> {
+        let mut contents = PointContents { lattices: self.shapes().collect(), ..PointContents::default() };
+        let mut indices = Vec::new();
+        wanted::each(self, bricks, |level, brick, local, slot| {
+            let c = self.level(level).lattice.coordinate(brick, local);
+            let address = [level, c.x, c.y, c.z];
+            match slot {
+                Slot::Empty => {}
+                Slot::Invalid => contents.invalid.push(address),
+                Slot::Filled(index) => {
+                    contents.addresses.push(address);
+                    contents.clearances.push(self.clearance(index).sides());
+                    indices.push(index);
+                }
+            }
+        })?;
+        Ok((contents, indices))
     }
 
     fn shapes(&self) -> impl Iterator<Item = LatticeShape> {
