@@ -12,9 +12,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from lightmesh._native import Camera, Image, Scene, _option_defaults
+from lightmesh._native import Camera, Image, LightMesh, Scene, _option_defaults
 from lightmesh.cluster import bake, render_frames
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
+from lightmesh.cluster.local import LocalExecutor
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError
 
 #: Options of reading the scene, and those that are said otherwise here.
@@ -59,7 +60,10 @@ def _run(args: argparse.Namespace) -> None:
         "gather_memory": args.gather_memory,
         "progress": not args.quiet and sys.stderr.isatty(),
         "stats": stats,
+        "executor": LocalExecutor(threads=args.threads) if args.here else None,
     }
+    if getattr(args, "mesh", None) is not None:
+        options["mesh"] = LightMesh.load(args.mesh, scene)
     if args.command == "bake":
         bake(scene, cameras=_cameras(scene, args.cameras), **options).save(args.output[0])
         _say(args, f"wrote {args.output[0]}")
@@ -111,6 +115,7 @@ def _add_files(parser: argparse.ArgumentParser, command: str) -> None:
     if command != "bake":
         parser.add_argument("--exposure", metavar="EV|auto", default="auto", help="of PNG files (default: auto)")
         parser.add_argument("--half", action="store_true", help="16-bit floats in EXR files")
+        parser.add_argument("--mesh", metavar="FILE", type=Path, help="light mesh to begin with, as bake writes it")
     if command != "render":
         parser.add_argument(
             "--cameras",
@@ -128,6 +133,9 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
     farm.add_argument(
         "--address",
         help="of the cluster's head (default: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores alone)",
+    )
+    farm.add_argument(
+        "--here", action="store_true", help="do the tasks in this process, one after the other, without Ray"
     )
     farm.add_argument(
         "--job",

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy
 import pytest
 
-from lightmesh import Image
+from cluster.conftest import assert_same
+from lightmesh import Image, Scene
 
 TEMPLATES = Path(__file__).parents[3] / "farm" / "openjd"
 OPENJD = Path(sys.executable).parent / "openjd"
@@ -86,3 +87,15 @@ def test_frames(two_cameras: Path, program: str) -> None:
     first, second = (numpy.asarray(Image.open(output / f"frame.{camera}.exr")) for camera in range(2))
     assert first.shape == (24, 32, 3)
     assert not numpy.array_equal(first, second)
+
+
+def test_a_mesh_and_frames_with_it(two_cameras: Path, program: str) -> None:
+    output = two_cameras.parent / "baked"
+    given = parameters(SceneFile=two_cameras, OutputFolder=output, Cameras="0-1", Size="32x24", Program=program)
+    step = ("--step", "Frames", "--run-dependencies")
+    openjd("run", TEMPLATES / "bake_render.yaml", *given, "-p", "Options=--spp 1 --bounces 1", *step)
+    scene = Scene.load(two_cameras)
+    for camera in range(2):
+        frame = Image.open(output / f"frame.{camera}.exr")
+        assert_same(frame, scene.render(camera=camera, size=(32, 24), spp=1, bounces=1))
+    assert (output / "light.lightmesh").exists()
