@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -90,20 +90,22 @@ def _plan(
     with ExitStack() as ends:
         report, close_bar = reporter(farm.progress)
         ends.callback(close_bar)
+        # What is wrong with the picture is said before a cluster is looked for
+        job = describe(scene, cameras, options, mesh, gather_bytes=farm.gather_memory)
+        pictures = Pictures(job, scene, cameras, mesh)
+        first = pictures.any()
         executor = farm.executor or _ray(farm)
         ends.callback(executor.close)
-        job = describe(scene, cameras, options, mesh, executor.threads, farm.gather_memory)
-        pictures = Pictures(job, scene, cameras, mesh)
+        job = replace(job, threads=executor.threads)
         tasks = TASKS_PER_WORKER * executor.workers
         folder = None
         if farm.job is not None:
             folder = JobFolder(Path(farm.job))
             ends.callback(folder.close)
-            size = pictures.any().options_json
             manifest = {
                 "version": __version__,
-                "fingerprint": job.fingerprint(pictures.any()),
-                "what": f"{what}, {len(cameras)} cameras, {size}",
+                "fingerprint": job.fingerprint(first),
+                "what": f"{what}, {len(cameras)} cameras, {first.options_json}",
                 "tasks_per_stage": tasks,
             }
             # Cut as it was, so that what is done fits

@@ -63,17 +63,16 @@ def describe(
     cameras: Sequence[CameraChoice],
     options: Mapping[str, Any],
     mesh: LightMesh | None = None,
-    threads: int | None = None,
     gather_bytes: int = GATHER_BYTES,
 ) -> Job:
-    """The job of these pictures. Cameras that are not the scene's go into a copy of it."""
+    """The job of these pictures, for workers with a thread for each core. Cameras that are not the scene's go into a copy of it."""
     theirs = scene
     if any(isinstance(camera, Camera) for camera in cameras):
         theirs = Scene.from_bytes(scene.to_bytes())
     names = tuple(theirs.add_camera(camera) if isinstance(camera, Camera) else camera for camera in cameras)
     data = numpy.frombuffer(theirs.to_bytes(), dtype=numpy.uint8)
     chosen = {name: value for name, value in options.items() if value is not None}
-    return Job(__version__, data, names, chosen, None if mesh is None else mesh_to_bytes(mesh), threads, gather_bytes)
+    return Job(__version__, data, names, chosen, None if mesh is None else mesh_to_bytes(mesh), None, gather_bytes)
 
 
 class Pictures:
