@@ -23,13 +23,12 @@ from typing import Any
 
 import numpy
 
-from lightmesh._native import Image, LightMesh, join_bricks, join_contents, subtract_bricks
+from lightmesh._native import Image, LightMesh, join_bricks, subtract_bricks
 from lightmesh.cluster.cuts import count_points, cut_bricks, cut_waves
 from lightmesh.cluster.folder import JobFolder
 from lightmesh.cluster.job import Pictures
 from lightmesh.cluster.measured import Measured
 from lightmesh.cluster.task import Array, Executor, Result, Shared, Task, size_of
-from lightmesh.cluster.worker import CONTENTS
 from lightmesh.errors import OptionError
 
 #: stage, tasks that are done, tasks that are known so far, rays of finished waves.
@@ -96,7 +95,8 @@ class Plan:
     def take_over(self) -> None:
         """Puts what has been filled into the mesh of this process."""
         for contents in self._contents:
-            self._pictures.any().absorb(self._executor.fetch(contents))
+            for part in self._executor.fetch(contents):
+                self._pictures.any().absorb(part)
 
     @property
     def mesh(self) -> LightMesh:
@@ -114,7 +114,6 @@ class Plan:
         outlines: dict[int, tuple[Any, list[Result]]] = {}
         for task, result, _ in self._finish("render", queue):
             frame, first, last = task.arguments
-            self._rays += _rays(result)
             missing[frame] -= last - first
             if task.kind == "outlines":
                 outlines[frame][1].append(result)
@@ -194,14 +193,14 @@ class Plan:
             Task("fill", f"fill {label}", f"fill-{name}", (part,), count_points(part), len(part), contents)
             for name, label, part in self._cut(new)
         ]
-        self._add_contents([result for _, result, _ in self._finish("fill", deque(tasks))])
+        self._add_contents([result["contents"] for _, result, _ in self._finish("fill", deque(tasks))])
 
     def _bounce(self, groups: Sequence[_Group]) -> None:
         if not groups:
             return
         contents = tuple(self._contents)
         below: list[Shared] = []
-        filled: list[Result] = []
+        filled: list[Array] = []
         # Groups of one node shall not stand in a row: all nodes begin at once
         ordered = _in_turn(groups)
         for k in range(len(self._levels)):
@@ -223,17 +222,16 @@ class Plan:
             for _, result, _ in self._finish(f"bounce {k}", deque(tasks)):
                 self._levels[k].append({"points": result["points"], "values": result["values"]})
                 if is_last:
-                    filled.append({name[len(CONTENTS) :]: result[name] for name in result if name.startswith(CONTENTS)})
+                    filled.append(result["contents"])
             if not is_last:
                 level = _join_level(self._levels[k])
                 below.append(self._share(level, size_of(level)))
         self._add_contents(filled)
 
-    def _add_contents(self, contents: Sequence[Result]) -> None:
+    def _add_contents(self, parts: list[Array]) -> None:
         """Gives all workers what has been filled."""
-        if contents:
-            joined = join_contents(list(contents))
-            self._contents.append(self._share(joined, size_of(joined)))
+        if parts:
+            self._contents.append(self._share(parts, sum(part.nbytes for part in parts)))
 
     def _share(self, value: Any, size: int) -> Shared:
         note = self.measured.share(size)
@@ -270,7 +268,7 @@ class Plan:
                 if result is None:
                     queue.append(task)
                 else:
-                    self._count(stage)
+                    self._count(stage, result)
                     yield task, result, None
 
         self._report(stage, self._done, self._total, self._rays)
@@ -283,13 +281,15 @@ class Plan:
                     if folder is not None:
                         folder.write(task, outcome.result)
                         folder.note(took)
-                        self._count(stage)
+                    self._count(stage, outcome.result)
                     yield task, outcome.result, outcome.node
                     yield from stored()
                 yield from stored()
 
-    def _count(self, stage: str) -> None:
+    def _count(self, stage: str, result: Result) -> None:
         self._done += 1
+        if "stats" in result:
+            self._rays += sum(json.loads(result["stats"])["rays"].values())
         self._report(stage, self._done, self._total, self._rays)
 
 
@@ -304,9 +304,6 @@ def _in_turn(groups: Sequence[_Group]) -> list[_Group]:
 
 
 def _join_level(parts: Sequence[Result]) -> Result:
-    return {name: numpy.concatenate([part[name] for part in parts]) for name in ("points", "values")}
-
-
-def _rays(portion: Result) -> int:
-    """Of all kinds."""
-    return sum(json.loads(portion["stats"]).get("rays", {}).values())
+    """T_k of all groups. A group whose points are all inside solids has none, in another shape."""
+    some = [part for part in parts if len(part["points"])] or parts[:1]
+    return {name: numpy.concatenate([part[name] for part in some]) for name in ("points", "values")}

@@ -23,10 +23,6 @@ from lightmesh.cluster.task import Array, Outcome, Result, Shared, Task, size_of
 
 Fetch: TypeAlias = Callable[[Shared], Any]
 
-#: In front of the names of a group's contents, in the result of its last reflection.
-CONTENTS = "contents."
-
-
 def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
     """Does a task in this process. fetch: brings what is shared."""
     global _process
@@ -110,7 +106,7 @@ class _Process:
         return {"direct": direct, "indirect": indirect}
 
     def _fill(self, task: Task, bricks: Array) -> Result:
-        return self._ready(task).fill_direct(bricks)
+        return {"contents": self._ready(task).fill_direct(bricks)}
 
     def _bounce(self, task: Task, name: str, bricks: Array, k: int, is_last: bool) -> Result:
         """T_k of a group; with the last one, the contents of the mesh there."""
@@ -121,11 +117,11 @@ class _Process:
             for level in range(group.levels, k):
                 self._reflect(group, task, level)
         points, values = self._reflect(group, task, k)
-        if not is_last:
-            return {"points": points, "values": values}
-        del self._groups[name]
-        contents = group.gathering.contents()
-        return {"points": points, "values": values} | {CONTENTS + key: value for key, value in contents.items()}
+        result = {"points": points, "values": values}
+        if is_last:
+            result["contents"] = group.gathering.contents()
+            del self._groups[name]
+        return result
 
     def _reflect(self, group: _Group, task: Task, k: int) -> tuple[Array, Array]:
         """T_k of a group, of which T_{k-1} is known."""
@@ -152,7 +148,8 @@ class _Process:
             picture.prepare()
             for contents in task.contents:
                 if contents.id not in self._absorbed:
-                    picture.absorb(self._fetch(contents))
+                    for part in self._fetch(contents):
+                        picture.absorb(part)
                     self._absorbed.add(contents.id)
         return picture
 
