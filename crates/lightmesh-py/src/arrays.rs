@@ -44,6 +44,25 @@ pub(crate) fn floats(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<f
     }
 }
 
+/// Whole numbers from 0 on.
+pub(crate) fn words(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<u64>> {
+    let array = array(value)?;
+    match kind(&array)?.as_str() {
+        "u" => convert(&array, "uint64"),
+        _ => Err(wrong(&array, name, "expected unsigned whole numbers")),
+    }
+}
+
+/// Bytes, in one row.
+pub(crate) fn bytes(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<u8>> {
+    let array = array(value)?;
+    let size: usize = array.getattr("dtype")?.getattr("itemsize")?.extract()?;
+    match (kind(&array)?.as_str(), size) {
+        ("u", 1) => Ok(convert(&array, "uint8")?.values),
+        _ => Err(wrong(&array, name, "expected uint8")),
+    }
+}
+
 /// Bytes or real numbers as they are.
 pub(crate) enum Texels {
     Bytes(Numbers<u8>),

@@ -78,14 +78,13 @@ impl MeshFile {
         self.contents.indirect.as_ref().map_or(0, |indirect| indirect.bounces)
     }
 
-    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
-    /// messages.
+    /// Refuses what was made for another scene or with other settings. `file` names it in messages.
     ///
     /// # Errors
-    /// [`Error::OtherScene`], [`Error::OtherSettings`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.
-    pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
+    /// [`Error::OtherScene`], [`Error::OtherSettings`].
+    pub fn check(&self, file: &Path, scene: Fingerprint, options: &RenderOptions) -> Result<(), Error> {
         let name = || one_line(file.display());
-        if self.scene != Fingerprint::of_scene(scene) {
+        if self.scene != scene {
             return Err(Error::OtherScene { file: name() });
         }
         let (method, bounces) = (one_line(&self.method), self.bounces());
@@ -97,8 +96,18 @@ impl MeshFile {
         if bounces < options.bounces {
             return other(format!("{bounces} bounces, not {}", options.bounces));
         }
-        let failed = |cause| Error::Mesh { file: name(), cause };
-        let options = RenderOptions { bounces, ..options.clone() };
+        Ok(())
+    }
+
+    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
+    /// messages.
+    ///
+    /// # Errors
+    /// As [`MeshFile::check`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.
+    pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
+        self.check(file, Fingerprint::of_scene(scene), options)?;
+        let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
+        let options = RenderOptions { bounces: self.bounces(), ..options.clone() };
         let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
         mesh.absorb(&self.contents).map_err(failed)?;
         Ok(mesh)
