@@ -28,6 +28,8 @@ TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
         (TRIANGLE, [[0, 1, 2]], {"transform": numpy.eye(3)}, r"transform: expected the shape \(4, 4\)"),
         (TRIANGLE, [[0, 1, 2]], {"transform": numpy.ones((4, 4))}, "transform: must be finite, and its last row"),
         (TRIANGLE, [[0, 1, 2]], {"material": 3}, "material: there is no 3; the scene has 0"),
+        (TRIANGLE, [[0, 1, 2]], {"colors": [1, 1, 1]}, r"colors: expected the shape \(n, 3\) or \(n, 4\), not \(3,\)"),
+        (TRIANGLE, [[0, 1, 2]], {"colors": 1}, r"colors: expected the shape"),
         (TRIANGLE, [[0, 1, 2]], {"uvs": [[0, 0, 0]] * 3}, r"uvs: expected the shape \(n, 2\)"),
     ],
 )
@@ -109,7 +111,7 @@ def test_options_are_refused_by_their_python_names(options: dict[str, Any], mess
 
 @pytest.mark.parametrize(
     "options",
-    [{"speed": 1}, {"units": "gltf"}, {"output": "a.png"}, {"spp": True}, {"spp": [1]}, {"size": 3j}, {"progress": 3}, {"mesh": 1}],
+    [{"camera": 1.5j}, {"speed": 1}, {"units": "gltf"}, {"output": "a.png"}, {"spp": True}, {"spp": [1]}, {"size": 3j}, {"progress": 3}, {"mesh": 1}],
 )
 def test_what_is_no_option_is_a_type_error(options: dict[str, Any]) -> None:
     with pytest.raises(TypeError):
@@ -196,3 +198,6 @@ def test_meshes_serve_their_scene_and_options(cornell: Scene) -> None:
         LightMesh(cornell, progress=True)
     with pytest.raises(TypeError):
         LightMesh("cornell.glb")
+    for material in (-1, "red"):
+        with pytest.raises(TypeError, match="must be a Material"):
+            Scene().add_sphere([0, 0, 0], 1, material=material)

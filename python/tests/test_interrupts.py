@@ -52,6 +52,25 @@ def test_ctrl_c_ends_the_program_with_130(scenes: Path, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no signals like these")
+def test_ctrl_c_ends_what_cannot_be_told() -> None:
+    """Making a scene of two million triangles ready goes on unheard; the caller does not wait for it."""
+    n = 1000
+    x, z = numpy.meshgrid(numpy.arange(n), numpy.arange(n))
+    positions = numpy.stack([x, numpy.sin(x * 0.1) * numpy.cos(z * 0.1), z], axis=-1).reshape(-1, 3)
+    corner = (numpy.arange(n - 1) * n)[:, None] + numpy.arange(n - 1)
+    triangles = numpy.stack([corner, corner + n, corner + 1, corner + 1, corner + n, corner + n + 1], axis=-1)
+    scene = Scene()
+    scene.add_mesh(positions, triangles.reshape(-1, 3))
+    timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        _ = scene.bounds
+    assert time.monotonic() - begun < 1
+    assert scene.triangle_count == 2 * (n - 1) ** 2
+
+
 def test_a_callback_hears_of_every_stage(cornell: Scene) -> None:
     reports: list[tuple[str, int, int, int]] = []
     cornell.render(size=(200, 200), spp=4, bounces=1, progress=lambda *report: reports.append(report))
