@@ -101,10 +101,12 @@ pub(crate) fn vec2s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec2>>
 
 /// Linear RGB or RGBA, (n, 3) or (n, 4).
 pub(crate) fn colors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec4>> {
-    if array(value)?.getattr("shape")?.get_item(-1).is_ok_and(|n| n.eq(3).unwrap_or(false)) {
-        return Ok(rows::<3>(value, name)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect());
+    let numbers = floats(value, name)?;
+    match numbers.shape[..] {
+        [_, 3] => Ok(numbers.values.as_chunks::<3>().0.iter().map(|&c| Vec3::from_array(c).extend(1.0)).collect()),
+        [_, 4] => Ok(numbers.values.as_chunks::<4>().0.iter().map(|&c| Vec4::from_array(c)).collect()),
+        _ => Err(misshapen(value.py(), name, "(n, 3) or (n, 4)", &numbers.shape)),
     }
-    Ok(rows::<4>(value, name)?.into_iter().map(Vec4::from_array).collect())
 }
 
 /// Three indices a triangle, (n, 3) whole numbers from 0 on.

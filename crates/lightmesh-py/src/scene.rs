@@ -50,10 +50,21 @@ struct Inner {
 type Point = (f32, f32, f32);
 
 /// A material of the scene by its index, or a new one.
-#[derive(FromPyObject)]
 enum MaterialArg<'py> {
-    New(PyRef<'py, PyMaterial>),
+    New(Bound<'py, PyMaterial>),
     Index(usize),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for MaterialArg<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(material) = value.cast::<PyMaterial>() {
+            return Ok(Self::New(material.to_owned()));
+        }
+        let wrong = |_| PyTypeError::new_err("must be a Material, or the index of one that was added");
+        value.extract().map(Self::Index).map_err(wrong)
+    }
 }
 
 #[pymethods]
@@ -515,7 +526,7 @@ pub(crate) fn scene_camera(
 /// The index of a material, which is added if it is new.
 fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
     match material {
-        Some(MaterialArg::New(material)) => Ok(material.add_to(data)),
+        Some(MaterialArg::New(material)) => Ok(material.get().add_to(data)),
         Some(MaterialArg::Index(index)) if index < data.materials.len() => Ok(index),
         Some(MaterialArg::Index(index)) => {
             Err(format!("material: there is no {index}; the scene has {}", data.materials.len()))
