@@ -90,7 +90,9 @@ impl MeshFile {
         let (method, bounces) = (one_line(&self.method), self.bounces());
         let other = |what: String| Err(Error::OtherSettings { file: name(), method: method.clone(), what });
         if self.settings_fingerprint != Fingerprint::of_settings(options) {
-            return other("other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or seed".into());
+            let what = "other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or \
+                        seed";
+            return other(what.into());
         }
         // A mesh without bounces may have indirect light, if it is only emission.
         if bounces < options.bounces {
