@@ -3,15 +3,18 @@
 #![deny(unsafe_code)]
 
 mod arrays;
+mod bricks;
 mod built;
 mod camera;
 mod error;
+mod gathering;
 mod image;
 mod keywords;
 mod light;
 mod light_mesh;
 mod material;
 mod metrics;
+mod picture_job;
 mod program;
 mod scene;
 mod view;
@@ -23,7 +26,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
+    use super::bricks::{count_points, join_bricks, subtract_bricks};
+    #[pymodule_export]
     use super::camera::PyCamera;
+    #[pymodule_export]
+    use super::gathering::PyGathering;
     #[pymodule_export]
     use super::image::PyImage;
     #[pymodule_export]
@@ -36,6 +43,8 @@ mod _native {
     use super::material::PyMaterial;
     #[pymodule_export]
     use super::metrics::compare;
+    #[pymodule_export]
+    use super::picture_job::PyPictureJob;
     #[pymodule_export]
     use super::program::run_program;
     #[pymodule_export]
