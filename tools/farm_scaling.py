@@ -32,7 +32,7 @@ EMPTY_TASKS = 2000
 
 def nothing(job: Shared, task: Task, fetch: worker.Fetch, node: str) -> Outcome:
     """A task that does nothing."""
-    return Outcome({}, node, 0, 0.0, 0.0, 0.0, 0, 0, 0)
+    return Outcome({}, node, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0)
 
 
 def seconds_per_task() -> tuple[float, float]:
@@ -62,6 +62,7 @@ def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None)
         found.append(
             {
                 "seconds": time.perf_counter() - started,
+                "processor": sum(each["processor_seconds"] for each in workers),
                 "tasks": sum(stage["tasks"] for stage in stats["stages"]),
                 "in": statistics.mean(each["bytes_in"] for each in workers),
                 "out": statistics.mean(each["bytes_out"] for each in workers),
@@ -85,15 +86,16 @@ def main() -> None:
     options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2], strict=True)}
     scene = Scene.load(args.scene)
     print(
-        "workers | local s | farm s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms"
+        "workers | local s | its processor s | farm s | its processor s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms"
     )
     alone = 0.0
     for workers in map(int, args.workers.split(",")):
-        local = []
+        local, local_processor = [], []
         for _ in range(args.runs):
-            started = time.perf_counter()
+            started, processor = time.perf_counter(), time.process_time()
             scene.render(threads=workers, **options)
             local.append(time.perf_counter() - started)
+            local_processor.append(time.process_time() - processor)
         node = {"object_store_memory": 500 << 20, "include_dashboard": False, "node_ip_address": "127.0.0.1"}
         cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, **node})
         for _ in range(workers):
@@ -106,7 +108,8 @@ def main() -> None:
         cluster.shutdown()
         alone = alone or took["seconds"] * workers
         print(
-            f"{workers} | {statistics.median(local):.2f} | {took['seconds']:.2f} | {alone / workers / took['seconds']:.0%}"
+            f"{workers} | {statistics.median(local):.2f} | {statistics.median(local_processor):.2f} | {took['seconds']:.2f}"
+            f" | {took['processor']:.2f} | {alone / workers / took['seconds']:.0%}"
             f" | {took['tasks']:.0f} | {took['in'] / 1e6:.1f} | {took['out'] / 1e6:.1f} | {took['setup']:.2f}"
             f" | {took['peak'] / 1e6:.0f} | {wall * 1e3:.2f} | {processor * 1e3:.2f}",
             flush=True,

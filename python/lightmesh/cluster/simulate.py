@@ -131,8 +131,13 @@ def main() -> None:
     parser.add_argument("--latency", type=float, default=Machines.latency_seconds, help="of a message, seconds")
     parser.add_argument("--driver", type=float, default=Machines.driver_seconds, help="for each task, seconds")
     parser.add_argument("--tree", action="store_true", help="nodes pass on what is shared")
+    parser.add_argument(
+        "--processor",
+        action="store_true",
+        help="tasks take their processor time: for workers of one thread on a machine that was busy otherwise",
+    )
     args = parser.parse_args()
-    trace = Trace.read(args.folder)
+    trace = Trace.read(args.folder, args.processor)
     print("nodes | seconds | efficiency | handing out | sharing | setting up")
     for nodes in map(int, args.nodes.split(",")):
         machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tree)

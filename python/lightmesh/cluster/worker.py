@@ -26,7 +26,7 @@ Fetch: TypeAlias = Callable[[Shared], Any]
 def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
     """Does a task in this process. fetch: brings what is shared."""
     global _process
-    started = time.perf_counter()
+    started, processor = time.perf_counter(), time.process_time()
     if _process is None or _process.id != job.id:
         # Give the memory of another job back before this one's is taken
         _process = None
@@ -40,6 +40,7 @@ def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
         node,
         os.getpid(),
         seconds=time.perf_counter() - started,
+        processor_seconds=time.process_time() - processor,
         setup_seconds=process.setup_seconds,
         fetch_seconds=process.fetch_seconds,
         bytes_in=process.bytes_in,
