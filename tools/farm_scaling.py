@@ -11,6 +11,7 @@ each, for `python -m lightmesh.cluster.simulate`.
 import argparse
 import os
 import statistics
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -75,14 +76,16 @@ def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None)
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n")[0], epilog="Options of the picture follow after --."
+    )
     parser.add_argument("scene", type=Path)
     parser.add_argument("--workers", default="1,2")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--keep", type=Path)
-    parser.add_argument("option", nargs="*", help="options of the picture, after --")
-    args = parser.parse_args()
-    words = args.option
+    given = sys.argv[1:]
+    end = given.index("--") if "--" in given else len(given)
+    args, words = parser.parse_args(given[:end]), given[end + 1 :]
     options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2], strict=True)}
     scene = Scene.load(args.scene)
     print(

@@ -30,8 +30,8 @@ class Machines:
     """Of each node's network card, in and out: 10 Gbit/s."""
     latency_seconds: float = 2e-4
     """Of a message."""
-    driver_seconds: float = 1e-3
-    """Of the process that hands tasks out, for each of them; measured by tools/farm_scaling.py."""
+    driver_seconds: float | None = None
+    """Of the process that hands tasks out, for each of them; None: as it was in the stage."""
     is_tree: bool = False
     """Whether nodes pass on what is shared, so that it takes log2(nodes + 1) steps; else the first node sends it to
     each."""
@@ -92,6 +92,9 @@ def _run(
     """
     count = int(min(TASKS_PER_WORKER * machines.nodes, stage.pieces * times))
     seconds, sizes = stage.cut(max(1, count), times)
+    each = machines.driver_seconds
+    if each is None:
+        each = stage.here_seconds / max(1, len(stage.seconds))
     free = [at + stage.setup_seconds for at in ready]
     driver = card = clock
     waiting = iter(zip(seconds, sizes, strict=True))
@@ -101,7 +104,7 @@ def _run(
         nonlocal driver
         task = next(waiting, None)
         if task is not None:
-            driver += machines.driver_seconds
+            driver += each
             free[node] = max(free[node], driver + machines.latency_seconds) + task[0]
             heapq.heappush(running, (free[node], node, task[1]))
 
@@ -116,7 +119,7 @@ def _run(
         driver = max(driver, card)
         ended = max(ended, driver)
         hand_out(node)
-    return ended, float(seconds.sum()), machines.driver_seconds * len(seconds)
+    return ended, float(seconds.sum()), each * len(seconds)
 
 
 def main() -> None:
@@ -129,7 +132,7 @@ def main() -> None:
         "--bandwidth", type=float, default=Machines.bytes_per_second, help="of each node, bytes a second"
     )
     parser.add_argument("--latency", type=float, default=Machines.latency_seconds, help="of a message, seconds")
-    parser.add_argument("--driver", type=float, default=Machines.driver_seconds, help="for each task, seconds")
+    parser.add_argument("--driver", type=float, help="for each task, seconds (default: as it was)")
     parser.add_argument("--tree", action="store_true", help="nodes pass on what is shared")
     parser.add_argument(
         "--processor",

@@ -27,6 +27,8 @@ class Stage:
     """By worker process: seconds for the scene and for taking over the mesh."""
     between_seconds: float = 0.0
     """Since the stage before, of the process that hands tasks out."""
+    here_seconds: float = 0.0
+    """Processor time of that process during the stage: handing out, taking and keeping results, making pictures of them."""
     shared_bytes: float = 0.0
     """What all workers get when the stage has ended."""
     fixed_seconds: float = 0.0
@@ -74,6 +76,9 @@ class Trace:
                 stages.append(Stage(entry["stage"], between_seconds=entry["between_seconds"]))
                 continue
             stage = stages[-1]
+            if "here_seconds" in entry:
+                stage.here_seconds = entry["here_seconds"]
+                continue
             if "shared_bytes" in entry:
                 stage.shared_bytes += entry["shared_bytes"]
                 continue

@@ -23,6 +23,7 @@ from lightmesh.cluster.task import Array, Outcome, Result, Shared, Task, size_of
 
 Fetch: TypeAlias = Callable[[Shared], Any]
 
+
 def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
     """Does a task in this process. fetch: brings what is shared."""
     global _process
