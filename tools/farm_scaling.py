@@ -12,6 +12,7 @@ import argparse
 import os
 import statistics
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -20,11 +21,13 @@ os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
 os.environ["RAY_AUTH_MODE"] = "disabled"
 os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
 
+import numpy
 import ray
 from ray.cluster_utils import Cluster
 
 from lightmesh import Scene
 from lightmesh.cluster import render, worker
+from lightmesh.cluster.folder import JobFolder
 from lightmesh.cluster.ray_backend import RayExecutor
 from lightmesh.cluster.task import Outcome, Shared, Task
 
@@ -50,6 +53,19 @@ def seconds_per_task() -> tuple[float, float]:
     # The first round starts the processes
     wall, processor = found[1]
     return wall / EMPTY_TASKS, processor / EMPTY_TASKS
+
+
+def seconds_to_keep() -> float:
+    """Processor time of this process for the result of a wave of 8192 pixels that goes into a job folder."""
+    task, result = Task("waves", "", "waves-0", (), 1, 1), {"values": numpy.zeros(8192 * 3, numpy.float32)}
+    with tempfile.TemporaryDirectory() as path:
+        folder = JobFolder(Path(path))
+        started = time.process_time()
+        for _ in range(200):
+            folder.write(task, result)
+            folder.note({"stage": "render"})
+        folder.close()
+        return (time.process_time() - started) / 200
 
 
 def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None) -> dict[str, float]:
@@ -89,7 +105,7 @@ def main() -> None:
     options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2], strict=True)}
     scene = Scene.load(args.scene)
     print(
-        "workers | local s | its processor s | farm s | its processor s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms"
+        "workers | local s | its processor s | farm s | its processor s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms | to keep a result ms"
     )
     alone = 0.0
     for workers in map(int, args.workers.split(",")):
@@ -114,7 +130,8 @@ def main() -> None:
             f"{workers} | {statistics.median(local):.2f} | {statistics.median(local_processor):.2f} | {took['seconds']:.2f}"
             f" | {took['processor']:.2f} | {alone / workers / took['seconds']:.0%}"
             f" | {took['tasks']:.0f} | {took['in'] / 1e6:.1f} | {took['out'] / 1e6:.1f} | {took['setup']:.2f}"
-            f" | {took['peak'] / 1e6:.0f} | {wall * 1e3:.2f} | {processor * 1e3:.2f}",
+            f" | {took['peak'] / 1e6:.0f} | {wall * 1e3:.2f} | {processor * 1e3:.2f}"
+            f" | {seconds_to_keep() * 1e3:.2f}",
             flush=True,
         )
 

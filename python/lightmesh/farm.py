@@ -14,6 +14,7 @@ from typing import Any
 
 from lightmesh._native import Camera, Image, LightMesh, Scene, _option_defaults
 from lightmesh.cluster import bake, render_frames
+from lightmesh.cluster.cuts import TASKS_PER_WORKER
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
 from lightmesh.cluster.local import LocalExecutor
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError
@@ -58,6 +59,7 @@ def _run(args: argparse.Namespace) -> None:
         "threads": args.threads,
         "memory": args.worker_memory,
         "gather_memory": args.gather_memory,
+        "tasks_per_worker": args.tasks_per_worker,
         "progress": not args.quiet and sys.stderr.isatty(),
         "stats": stats,
         "executor": LocalExecutor(threads=args.threads) if args.here else None,
@@ -149,6 +151,13 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         type=int,
         help="cores of a worker (default: those of the smallest node that has at least half of the largest one's)",
+    )
+    farm.add_argument(
+        "--tasks-per-worker",
+        metavar="N",
+        type=int,
+        default=TASKS_PER_WORKER,
+        help="into how many tasks each stage is cut for each worker (default: 20)",
     )
     farm.add_argument(
         "--worker-memory",

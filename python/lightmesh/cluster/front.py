@@ -36,6 +36,9 @@ class Farm:
     gather_memory: int = GATHER_BYTES
     """Bytes for gathered points that a worker keeps from one reflection to the next; those that do not fit are
     gathered for again."""
+    tasks_per_worker: int = TASKS_PER_WORKER
+    """Into how many tasks each stage is cut for each worker: more even out what they take, fewer are handed out
+    sooner."""
     progress: Progress = None
     """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as
     they are known."""
@@ -97,7 +100,7 @@ def _plan(
         executor = farm.executor or _ray(farm)
         ends.callback(executor.close)
         job = replace(job, threads=executor.threads)
-        tasks = TASKS_PER_WORKER * executor.workers
+        tasks = farm.tasks_per_worker * executor.workers
         folder = None
         if farm.job is not None:
             folder = JobFolder(Path(farm.job))

@@ -1,6 +1,5 @@
 """What a job took: task by task, and where that went."""
 
-import os
 import time
 from collections import defaultdict
 from collections.abc import Iterator
@@ -22,22 +21,16 @@ class Measured:
         """What was shared after a stage, for all workers."""
         self._started = self._ended = time.perf_counter()
         self._stage, self._barrier = "", 0
-        self._tasks_here = self._here_seconds = 0.0
 
     @contextmanager
     def stage(self, stage: str) -> Iterator[dict[str, Any]]:
         """Counts the time of a stage that begins behind a barrier; how its beginning is written down."""
-        started, processor = time.perf_counter(), time.process_time()
-        self._stage, self._barrier, self._tasks_here = stage, self._barrier + 1, 0.0
+        started = time.perf_counter()
+        self._stage, self._barrier = stage, self._barrier + 1
         # Since the last one nothing was done but here
         yield {"stage": stage, "barrier": self._barrier, "between_seconds": started - self._ended}
         self._ended = time.perf_counter()
         self.stage_seconds.append((stage, self._ended - started))
-        self._here_seconds = time.process_time() - processor - self._tasks_here
-
-    def ended(self) -> dict[str, Any]:
-        """How the end of the stage is written down: processor time of this process for what is not tasks."""
-        return {"stage": self._stage, "barrier": self._barrier, "here_seconds": self._here_seconds}
 
     def add(self, stage: str, task: Task, outcome: Outcome) -> dict[str, Any]:
         """Adds a task; how it is written down."""
@@ -59,8 +52,6 @@ class Measured:
             "peak_bytes": outcome.peak_bytes,
         }
         self.tasks.append(took)
-        if outcome.process == os.getpid():
-            self._tasks_here += outcome.processor_seconds
         return took
 
     def share(self, size: int) -> dict[str, Any]:

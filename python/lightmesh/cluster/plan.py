@@ -284,8 +284,6 @@ class Plan:
                     yield task, outcome.result, outcome.node
                     yield from stored()
                 yield from stored()
-        if folder is not None:
-            folder.note(self.measured.ended())
 
     def _count(self, stage: str, result: Result) -> None:
         self._done += 1

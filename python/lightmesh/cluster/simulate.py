@@ -30,8 +30,10 @@ class Machines:
     """Of each node's network card, in and out: 10 Gbit/s."""
     latency_seconds: float = 2e-4
     """Of a message."""
-    driver_seconds: float | None = None
-    """Of the process that hands tasks out, for each of them; None: as it was in the stage."""
+    driver_seconds: float = 1.7e-3
+    """Of the process that hands tasks out, for each of them and for keeping its result: docs/scaling.md."""
+    tasks_per_worker: int = TASKS_PER_WORKER
+    """Into how many a stage is cut for each worker."""
     is_tree: bool = False
     """Whether nodes pass on what is shared, so that it takes log2(nodes + 1) steps; else the first node sends it to
     each."""
@@ -90,11 +92,8 @@ def _run(
 
     ready: when each node has what it needs.
     """
-    count = int(min(TASKS_PER_WORKER * machines.nodes, stage.pieces * times))
+    count = int(min(machines.tasks_per_worker * machines.nodes, stage.pieces * times))
     seconds, sizes = stage.cut(max(1, count), times)
-    each = machines.driver_seconds
-    if each is None:
-        each = stage.here_seconds / max(1, len(stage.seconds))
     free = [at + stage.setup_seconds for at in ready]
     driver = card = clock
     waiting = iter(zip(seconds, sizes, strict=True))
@@ -104,7 +103,7 @@ def _run(
         nonlocal driver
         task = next(waiting, None)
         if task is not None:
-            driver += each
+            driver += machines.driver_seconds
             free[node] = max(free[node], driver + machines.latency_seconds) + task[0]
             heapq.heappush(running, (free[node], node, task[1]))
 
@@ -119,7 +118,7 @@ def _run(
         driver = max(driver, card)
         ended = max(ended, driver)
         hand_out(node)
-    return ended, float(seconds.sum()), each * len(seconds)
+    return ended, float(seconds.sum()), machines.driver_seconds * len(seconds)
 
 
 def main() -> None:
@@ -132,7 +131,8 @@ def main() -> None:
         "--bandwidth", type=float, default=Machines.bytes_per_second, help="of each node, bytes a second"
     )
     parser.add_argument("--latency", type=float, default=Machines.latency_seconds, help="of a message, seconds")
-    parser.add_argument("--driver", type=float, help="for each task, seconds (default: as it was)")
+    parser.add_argument("--driver", type=float, default=Machines.driver_seconds, help="for each task, seconds")
+    parser.add_argument("--tasks-per-worker", type=int, default=TASKS_PER_WORKER, help="of each stage")
     parser.add_argument("--tree", action="store_true", help="nodes pass on what is shared")
     parser.add_argument(
         "--processor",
@@ -143,7 +143,7 @@ def main() -> None:
     trace = Trace.read(args.folder, args.processor)
     print("nodes | seconds | efficiency | handing out | sharing | setting up")
     for nodes in map(int, args.nodes.split(",")):
-        machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tree)
+        machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tasks_per_worker, args.tree)
         found = predict(trace, machines, args.times)
         print(
             f"{nodes:5} | {found.seconds:7.2f} | {found.efficiency:9.1%} | {found.driver_seconds:9.2f} s"

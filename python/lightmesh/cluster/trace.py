@@ -27,8 +27,6 @@ class Stage:
     """By worker process: seconds for the scene and for taking over the mesh."""
     between_seconds: float = 0.0
     """Since the stage before, of the process that hands tasks out."""
-    here_seconds: float = 0.0
-    """Processor time of that process during the stage: handing out, taking and keeping results, making pictures of them."""
     shared_bytes: float = 0.0
     """What all workers get when the stage has ended."""
     fixed_seconds: float = 0.0
@@ -66,7 +64,8 @@ class Trace:
     def read(folder: Path, by_processor: bool = False) -> "Trace":
         """Reads a job folder. The job must have been done in one go.
 
-        by_processor: take processor time for the tasks' time, where workers had one thread each on a machine that was busy otherwise.
+        by_processor: take processor time for the tasks' time, where workers had one thread each on a machine that was
+        busy otherwise.
         """
         stages: list[Stage] = []
         scene_bytes = 0.0
@@ -76,9 +75,6 @@ class Trace:
                 stages.append(Stage(entry["stage"], between_seconds=entry["between_seconds"]))
                 continue
             stage = stages[-1]
-            if "here_seconds" in entry:
-                stage.here_seconds = entry["here_seconds"]
-                continue
             if "shared_bytes" in entry:
                 stage.shared_bytes += entry["shared_bytes"]
                 continue

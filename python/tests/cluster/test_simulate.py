@@ -36,11 +36,6 @@ def test_handing_out_is_a_bound() -> None:
     assert found.seconds == pytest.approx(10 + 1)
 
 
-def test_handing_out_takes_what_it_took() -> None:
-    found = predict(trace(here_seconds=20.0), replace(FREE, nodes=1000, driver_seconds=None))
-    assert found.seconds == pytest.approx(20 + 1)
-
-
 def test_sharing_is_linear_in_nodes_or_their_logarithm() -> None:
     """1 GB at 1 GB/s before tasks that take no time."""
     shared = Trace(1e9, [replace(trace().stages[0], seconds=[0.0] * 1000)])
