@@ -7,6 +7,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from numpy.typing import ArrayLike
+
 from lightmesh._native import Image, LightMesh, Scene, __version__
 from lightmesh.cluster.cuts import TASKS_PER_WORKER
 from lightmesh.cluster.folder import JobFolder
@@ -70,15 +72,24 @@ def render_frames(
 
 
 def bake(
-    scene: Scene, address: str | None = None, *, cameras: Sequence[CameraChoice] = (None,), **options: Any
+    scene: Scene,
+    address: str | None = None,
+    *,
+    cameras: Sequence[CameraChoice] = (None,),
+    region: ArrayLike | None = None,
+    **options: Any,
 ) -> LightMesh:
     """Fills a light mesh with all that pictures by these cameras read, and returns it.
 
+    region: the least and the largest corner of a box, (2, 3), metres, in which all mesh points are filled as well; by
+    this process alone, when the cameras are done.
     options: as for `render`, with a method that has a mesh.
     """
     with _plan(scene, cameras, "bake", address, options) as plan:
         plan.fill()
         plan.take_over()
+        if region is not None:
+            plan.mesh.fill(region=region)
         return plan.mesh
 
 

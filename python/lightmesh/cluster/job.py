@@ -36,7 +36,8 @@ class Job:
     cameras: tuple[str | int | None, ...]
     """One for each frame: its name or index in the scene."""
     options: Mapping[str, Any]
-    """Those of `Scene.render` that decide about the pictures."""
+    """Those of `Scene.render` that were given; what is not said here is the mesh's, where there is one to begin
+    with."""
     mesh: Array | None
     """The file of the light mesh that the pictures begin with, uint8; None: an empty one."""
     threads: int | None
@@ -94,7 +95,7 @@ class Pictures:
         self._scene = scene or Scene.from_bytes(job.scene.tobytes())
         self._cameras = job.cameras if cameras is None else cameras
         if mesh is None and job.mesh is not None:
-            mesh = mesh_from_bytes(self._scene, job.mesh)
+            mesh = mesh_from_bytes(self._scene, job.mesh, {**job.options, "threads": job.threads})
         if mesh is None and job.has_mesh:
             mesh = LightMesh(self._scene, threads=job.threads, **job.options)
         self.mesh = mesh
@@ -133,9 +134,9 @@ def mesh_to_bytes(mesh: LightMesh) -> Array:
         return numpy.fromfile(file, dtype=numpy.uint8)
 
 
-def mesh_from_bytes(scene: Scene, data: Array) -> LightMesh:
-    """The mesh of such a file."""
+def mesh_from_bytes(scene: Scene, data: Array, options: Mapping[str, Any]) -> LightMesh:
+    """The mesh of such a file, with the file's settings where options do not say otherwise."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mesh"
         data.tofile(file)
-        return LightMesh.load(file, scene)
+        return LightMesh.load(file, scene, **options)
