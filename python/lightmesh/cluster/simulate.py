@@ -139,8 +139,11 @@ def main() -> None:
         action="store_true",
         help="tasks take their processor time: for workers of one thread on a machine that was busy otherwise",
     )
+    parser.add_argument(
+        "--fixed", type=float, default=0.0, help="of a gather or bounce task, however small, seconds (default: 0)"
+    )
     args = parser.parse_args()
-    trace = Trace.read(args.folder, args.processor)
+    trace = Trace.read(args.folder, args.processor, args.fixed)
     print("nodes | seconds | efficiency | handing out | sharing | setting up")
     for nodes in map(int, args.nodes.split(",")):
         machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tasks_per_worker, args.tree)

@@ -61,11 +61,12 @@ class Trace:
     stages: list[Stage]
 
     @staticmethod
-    def read(folder: Path, by_processor: bool = False) -> "Trace":
+    def read(folder: Path, by_processor: bool = False, fixed_seconds: float = 0.0) -> "Trace":
         """Reads a job folder. The job must have been done in one go.
 
         by_processor: take processor time for the tasks' time, where workers had one thread each on a machine that was
         busy otherwise.
+        fixed_seconds: of a gather or bounce task, however small: what grows with the mesh and not with the task.
         """
         stages: list[Stage] = []
         scene_bytes = 0.0
@@ -73,6 +74,8 @@ class Trace:
             entry = json.loads(line)
             if "between_seconds" in entry:
                 stages.append(Stage(entry["stage"], between_seconds=entry["between_seconds"]))
+                if stages[-1].name.startswith(("gather", "bounce")):
+                    stages[-1].fixed_seconds = fixed_seconds
                 continue
             stage = stages[-1]
             if "shared_bytes" in entry:
