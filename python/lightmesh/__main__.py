@@ -7,7 +7,7 @@ import sys
 from lightmesh._native import _run_program
 
 #: Commands that are written in Python, each with the module whose ``main(arguments) -> exit code`` it is. All others are Rust's.
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {"farm": "lightmesh.farm"}
 
 
 def main() -> int:

@@ -11,6 +11,17 @@ from typing import Any
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "LUMEN_PER_WATT",
+    "LUMINANCE_WEIGHTS",
+    "candela_from_lumen",
+    "candela_from_lux",
+    "candela_from_watt",
+    "lumen_from_candela",
+    "luminance",
+    "lux_from_candela",
+]
+
 #: Lumen per watt by which Blender's exporter multiplies lamps; ``units="blender"`` takes it back.
 LUMEN_PER_WATT = 683.0
 

@@ -47,6 +47,25 @@ pub(crate) fn floats(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<f
     }
 }
 
+/// Whole numbers from 0 on.
+pub(crate) fn words(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers<u64>> {
+    let array = array(value)?;
+    match kind(&array)?.as_str() {
+        "u" => convert(&array, "uint64"),
+        _ => Err(wrong(&array, name, "expected unsigned whole numbers")),
+    }
+}
+
+/// Bytes, in one row.
+pub(crate) fn bytes(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<u8>> {
+    let array = array(value)?;
+    let size: usize = array.getattr("dtype")?.getattr("itemsize")?.extract()?;
+    match (kind(&array)?.as_str(), size) {
+        ("u", 1) => Ok(convert(&array, "uint8")?.values),
+        _ => Err(wrong(&array, name, "expected uint8")),
+    }
+}
+
 /// Bytes or real numbers as they are.
 pub(crate) enum Texels {
     Bytes(Numbers<u8>),
@@ -123,10 +142,12 @@ pub(crate) fn vec2s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec2>>
 
 /// Linear RGB or RGBA, (n, 3) or (n, 4).
 pub(crate) fn colors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec4>> {
-    if array(value)?.getattr("shape")?.get_item(-1).is_ok_and(|n| n.eq(3).unwrap_or(false)) {
-        return Ok(rows::<3>(value, name)?.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect());
+    let numbers = floats(value, name)?;
+    match numbers.shape[..] {
+        [_, 3] => Ok(numbers.values.as_chunks::<3>().0.iter().map(|&c| Vec3::from_array(c).extend(1.0)).collect()),
+        [_, 4] => Ok(numbers.values.as_chunks::<4>().0.iter().map(|&c| Vec4::from_array(c)).collect()),
+        _ => Err(misshapen(value.py(), name, "(n, 3) or (n, 4)", &numbers.shape)),
     }
-    Ok(rows::<4>(value, name)?.into_iter().map(Vec4::from_array).collect())
 }
 
 /// Three indices a triangle, (n, 3) whole numbers from 0 on.

@@ -8,7 +8,6 @@ use crate::{arrays, error};
 
 /// A camera; it looks along its own -Z, +Y is up. Made by look_at, from_matrix or orthographic, or taken from a scene.
 #[pyclass(name = "Camera", module = "lightmesh", frozen)]
-#[derive(Clone)]
 pub(crate) struct PyCamera {
     pub(crate) camera: Camera,
 }

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::sync::{Arc, TryLockError};
 use std::time::Instant;
 
-use lightmesh::{Camera, Image, Layer, LightMesh, RenderOptions};
-use lightmesh_cli::{Exposure, Keywords, SOFTWARE, Stats, method_name, parse_exposure, settings_json};
+use lightmesh::{Camera, Frame, Image, Layer, LightMesh, RenderOptions};
+use lightmesh_cli::{EmitterArgs, Exposure, Keywords, SOFTWARE, Stats, method_name, parse_exposure, settings_json};
 use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
-use lightmesh_io::{Encoding, Picture};
+use lightmesh_io::{Encoding, Picture, Units};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -198,16 +198,7 @@ impl PyImage {
     ) -> PyResult<Self> {
         let options = keywords.options(&camera);
         options.check_picture_memory().map_err(|error| error.raise(py))?;
-        let mut metadata = Metadata {
-            software: SOFTWARE.to_owned(),
-            method: method_name(options.method).to_owned(),
-            scene: scene.name.clone(),
-            settings: settings_json(&options, keywords.emitters(), scene.units, &camera.name),
-            seconds: 0.0,
-            estimated_error: None,
-            spp: options.spp,
-            camera: camera.clone(),
-        };
+        let mut metadata = metadata(&scene.name, &options, keywords.emitters(), scene.units, &camera);
         let (name, load_time) = (scene.name.clone(), scene.load_time);
         let mesh = mesh.map(|mesh| Arc::clone(&mesh.mesh));
         let work = move |watch: &Watch| {
@@ -236,8 +227,13 @@ impl PyImage {
             })?;
         (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
         metadata.estimated_error = frame.stats.estimated_error;
+        Ok(Self::of_frame(frame, metadata, stats))
+    }
+
+    /// A finished picture with its stats as JSON.
+    pub(crate) fn of_frame(frame: Frame, metadata: Metadata, stats: String) -> Self {
         let picture = Picture { image: frame.image, encoding: Encoding::SceneLinear };
-        Ok(Self { picture, layers: frame.layers, metadata, has_camera: true, stats })
+        Self { picture, layers: frame.layers, metadata, has_camera: true, stats }
     }
 
     fn rows_and_columns(&self) -> (usize, usize) {
@@ -251,13 +247,33 @@ impl PyImage {
     }
 }
 
+/// What is said of a picture in its file; how long it took and how good it is come later.
+pub(crate) fn metadata(
+    scene: &str,
+    options: &RenderOptions,
+    emitters: &EmitterArgs,
+    units: Units,
+    camera: &Camera,
+) -> Metadata {
+    Metadata {
+        software: SOFTWARE.to_owned(),
+        method: method_name(options.method).to_owned(),
+        scene: scene.to_owned(),
+        settings: settings_json(options, emitters, units, &camera.name),
+        seconds: 0.0,
+        estimated_error: None,
+        spp: options.spp,
+        camera: camera.clone(),
+    }
+}
+
 fn frame(
     built: &Built,
     camera: &Camera,
     options: &RenderOptions,
     mesh: &mut LightMesh,
     watch: &Watch,
-) -> Result<lightmesh::Frame, RenderError> {
+) -> Result<Frame, RenderError> {
     lightmesh::render(&built.scene, camera, options, mesh, watch).map_err(RenderError::Library)
 }
 

@@ -3,9 +3,11 @@
 #![deny(unsafe_code)]
 
 mod arrays;
+mod bricks;
 mod built;
 mod camera;
 mod error;
+mod gathering;
 mod image;
 mod keywords;
 mod light;
@@ -16,6 +18,7 @@ mod mesh_arrays;
 mod mesh_files;
 mod meters;
 mod metrics;
+mod picture_job;
 mod program;
 mod scene;
 mod view;
@@ -27,7 +30,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
+    use super::bricks::{count_points, join_bricks, subtract_bricks};
+    #[pymodule_export]
     use super::camera::PyCamera;
+    #[pymodule_export]
+    use super::gathering::PyGathering;
     #[pymodule_export]
     use super::image::PyImage;
     #[pymodule_export]
@@ -40,6 +47,8 @@ mod _native {
     use super::material::PyMaterial;
     #[pymodule_export]
     use super::metrics::compare;
+    #[pymodule_export]
+    use super::picture_job::PyPictureJob;
     #[pymodule_export]
     use super::program::run_program;
     #[pymodule_export]

@@ -5,7 +5,6 @@ use pyo3::prelude::*;
 
 /// A light of a scene.
 #[pyclass(name = "Light", module = "lightmesh", frozen)]
-#[derive(Clone)]
 pub(crate) struct PyLight {
     pub(crate) light: Light,
 }

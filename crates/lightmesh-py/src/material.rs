@@ -21,7 +21,6 @@ use crate::{arrays, error};
 /// emission_texture are sRGB where they are uint8 and linear where they are float; metallic_roughness_texture (G roughness, B metallic)
 /// and normal_texture (tangent space) are linear.
 #[pyclass(name = "Material", module = "lightmesh", frozen)]
-#[derive(Clone)]
 pub(crate) struct PyMaterial {
     material: Material,
     /// In the order of the constructor.

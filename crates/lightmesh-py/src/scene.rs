@@ -10,9 +10,9 @@ use lightmesh::geometry::{Sphere, TriangleMesh};
 use lightmesh::{Camera, Environment, Instance, Light, Material, SceneData};
 use lightmesh_cli::{EmitterArgs, Keywords};
 use lightmesh_io::Units;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::built::{BuildError, Built, State};
 use crate::camera::PyCamera;
@@ -51,10 +51,21 @@ struct Inner {
 type Point = (f32, f32, f32);
 
 /// A material of the scene by its index, or a new one.
-#[derive(FromPyObject)]
 enum MaterialArg<'py> {
-    New(PyRef<'py, PyMaterial>),
+    New(Bound<'py, PyMaterial>),
     Index(usize),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for MaterialArg<'py> {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(material) = value.cast::<PyMaterial>() {
+            return Ok(Self::New(material.to_owned()));
+        }
+        let wrong = |_| PyTypeError::new_err("must be a Material, or the index of one that was added");
+        value.extract().map(Self::Index).map_err(wrong)
+    }
 }
 
 #[pymethods]
@@ -116,6 +127,44 @@ impl PyScene {
         })?;
         let warnings = built.warnings.clone();
         Ok(Self::with_state(file, units, time, load_warnings, State::Built(Arc::new(built)), warnings))
+    }
+
+    /// The scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling does the same.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let state = locked(&self.inner).state.clone();
+        let units = match self.units {
+            Units::Gltf => 0,
+            Units::Blender => 1,
+        };
+        let bytes = py.detach(|| lightmesh_io::scene_to_bytes(&state.into_data()));
+        let bytes = bytes.map_err(|error| error.raise(py))?;
+        let name = self.name.as_bytes();
+        PyBytes::new_with(py, 9 + name.len() + bytes.len(), |out| {
+            out[0] = units;
+            out[1..9].copy_from_slice(&(name.len() as u64).to_le_bytes());
+            out[9..9 + name.len()].copy_from_slice(name);
+            out[9 + name.len()..].copy_from_slice(&bytes);
+            Ok(())
+        })
+    }
+
+    /// The scene that to_bytes made bytes of.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, data: &[u8]) -> PyResult<Self> {
+        let incomplete = || error::scene(py, "scene bytes: they are incomplete");
+        let (&[units, ref length @ ..], rest) = data.split_first_chunk::<9>().ok_or_else(incomplete)?;
+        let length = usize::try_from(u64::from_le_bytes(*length)).map_err(|_| incomplete())?;
+        let (name, bytes) = rest.split_at_checked(length).ok_or_else(incomplete)?;
+        let name = String::from_utf8_lossy(name).into_owned();
+        let units = if units == 1 { Units::Blender } else { Units::Gltf };
+        let data = py.detach(|| lightmesh_io::scene_from_bytes(bytes)).map_err(|error| error.raise(py))?;
+        let state = State::Draft(Arc::new(data));
+        Ok(Self::with_state(name, units, Duration::ZERO, Vec::new(), state, Vec::new()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let py = slf.py();
+        Ok((slf.get_type().getattr("from_bytes")?, (slf.get().to_bytes(py)?,)))
     }
 
     /// Adds a material; returns its index.
@@ -483,7 +532,11 @@ impl PyScene {
 }
 
 /// Which camera takes the picture, as the command line chooses it.
-fn scene_camera(cameras: &[Camera], data: &SceneData, wanted: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
+pub(crate) fn scene_camera(
+    cameras: &[Camera],
+    data: &SceneData,
+    wanted: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Camera> {
     let wanted = match wanted {
         None => None,
         Some(value) => {
@@ -510,7 +563,7 @@ fn scene_camera(cameras: &[Camera], data: &SceneData, wanted: Option<&Bound<'_, 
 /// The index of a material, which is added if it is new.
 fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
     match material {
-        Some(MaterialArg::New(material)) => Ok(material.add_to(data)),
+        Some(MaterialArg::New(material)) => Ok(material.get().add_to(data)),
         Some(MaterialArg::Index(index)) if index < data.materials.len() => Ok(index),
         Some(MaterialArg::Index(index)) => {
             Err(format!("material: there is no {index}; the scene has {}", data.materials.len()))

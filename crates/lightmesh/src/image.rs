@@ -15,6 +15,7 @@ pub struct Image {
 
 /// Wall-clock seconds of a frame's steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Seconds {
     /// Camera rays and what they hit.
     pub primary: f64,
@@ -32,6 +33,7 @@ pub struct Seconds {
 
 /// Rays traced, by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RayCounts {
     /// Through the camera's film.
     pub primary: u64,
@@ -61,6 +63,7 @@ impl RayCounts {
 
 /// The state of one mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshStats {
     /// Distance between neighbours, metres.
     pub spacing_m: f64,
@@ -89,6 +92,7 @@ impl std::ops::AddAssign for Seconds {
 
 /// What a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RenderStats {
     /// Samples that every pixel has; fewer than [`RenderOptions::spp`](crate::RenderOptions::spp) where the time limit was
     /// reached: some pixels may have an eighth more then, or one more. Outlines of lamps have more (64).

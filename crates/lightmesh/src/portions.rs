@@ -27,9 +27,14 @@ pub struct Prepared {
 }
 
 impl Prepared {
+    /// Whether the mesh is still ready for the picture, and no other one.
+    pub fn holds(&self, mesh: &LightMesh) -> bool {
+        mesh.preparation() == self.preparation
+    }
+
     /// Refuses a mesh that is not ready for the picture.
     pub(crate) fn check(&self, mesh: &LightMesh) -> Result<(), Error> {
-        if mesh.preparation() == self.preparation {
+        if self.holds(mesh) {
             return Ok(());
         }
         let what = "the mesh has been made ready for another picture since".into();

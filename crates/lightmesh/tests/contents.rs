@@ -81,6 +81,16 @@ fn absorbed_points_are_as_good_as_own_ones() {
     }
 }
 
+/// Where there are no lights, points know of none.
+#[test]
+fn darkness_travels_too() {
+    let scene = Scene::new(SceneData { lights: Vec::new(), ..room() }).expect("scene");
+    for method in METHODS {
+        let (image, _) = check_shared(&scene, &with_bounces(method, 1));
+        assert!(image.pixels.iter().all(|&pixel| pixel == Vec3::ZERO));
+    }
+}
+
 #[test]
 fn clusters_of_lights_travel_too() {
     let scene = Scene::new(room_with_many_lights()).expect("scene");

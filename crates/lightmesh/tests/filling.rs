@@ -102,7 +102,7 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
             below = level;
         }
         for group in &groups {
-            let contents = group.contents(&meshes[0]);
+            let contents = group.contents(&meshes[0]).expect("all levels");
             meshes.iter_mut().for_each(|mesh| mesh.absorb(&contents).expect("absorbed"));
         }
     }

@@ -78,27 +78,38 @@ impl MeshFile {
         self.contents.indirect.as_ref().map_or(0, |indirect| indirect.bounces)
     }
 
-    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
-    /// messages.
+    /// Refuses what was made for another scene or with other settings. `file` names it in messages.
     ///
     /// # Errors
-    /// [`Error::OtherScene`], [`Error::OtherSettings`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.
-    pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
+    /// [`Error::OtherScene`], [`Error::OtherSettings`].
+    pub fn check(&self, file: &Path, scene: Fingerprint, options: &RenderOptions) -> Result<(), Error> {
         let name = || one_line(file.display());
-        if self.scene != Fingerprint::of_scene(scene) {
+        if self.scene != scene {
             return Err(Error::OtherScene { file: name() });
         }
         let (method, bounces) = (one_line(&self.method), self.bounces());
         let other = |what: String| Err(Error::OtherSettings { file: name(), method: method.clone(), what });
         if self.settings_fingerprint != Fingerprint::of_settings(options) {
-            return other("other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or seed".into());
+            let what = "other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or \
+                        seed";
+            return other(what.into());
         }
         // A mesh without bounces may have indirect light, if it is only emission.
         if bounces < options.bounces {
             return other(format!("{bounces} bounces, not {}", options.bounces));
         }
-        let failed = |cause| Error::Mesh { file: name(), cause };
-        let options = RenderOptions { bounces, ..options.clone() };
+        Ok(())
+    }
+
+    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
+    /// messages.
+    ///
+    /// # Errors
+    /// As [`MeshFile::check`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.
+    pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
+        self.check(file, Fingerprint::of_scene(scene), options)?;
+        let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
+        let options = RenderOptions { bounces: self.bounces(), ..options.clone() };
         let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
         mesh.absorb(&self.contents).map_err(failed)?;
         Ok(mesh)

@@ -28,6 +28,13 @@ impl Fingerprint {
         scene::fingerprint(scene)
     }
 
+    /// Of a text that describes something else.
+    pub fn of_text(text: &str) -> Self {
+        let mut digest = Digest::new("text");
+        digest.text(text);
+        digest.finish()
+    }
+
     /// Of the settings that values of mesh points depend on: method (`hybrid` and `unbiased` have the same points), falloff,
     /// neighbourhood and weights, spacings, number of levels, light error, gather rays, depth and seed, and whether the error is bounded.
     /// Not of the number of bounces, which [`Contents`](crate::Contents) tell.

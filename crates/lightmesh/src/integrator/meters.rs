@@ -13,8 +13,8 @@ use crate::progress::Reporter;
 use crate::{Error, Meter, Progress, RenderOptions, RenderStats, Scene, Stage};
 
 impl Meter {
-    /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: two
-    /// millionths of its largest coordinate, at the least, where the meter is next to the origin.
+    /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
+    /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
     pub(super) fn vertex(&self, scene: &Scene) -> Vertex {
         let bounds = scene.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();

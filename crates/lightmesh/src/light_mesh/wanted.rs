@@ -136,6 +136,11 @@ pub(super) fn each(
 }
 
 impl LightMesh {
+    /// Whether it has indirect light.
+    pub fn has_indirect(&self) -> bool {
+        self.indirect.is_some()
+    }
+
     /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
     pub fn level_count(&self) -> u32 {
         let indirect = self.indirect.as_ref().map_or(0, |field| field.points().level_count());

@@ -50,21 +50,24 @@ impl LightMesh {
 
 impl Gathering {
     /// What the mesh that it was made with is to know of its points, when they have all their levels.
-    pub fn contents(&self, mesh: &LightMesh) -> Contents {
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] before that.
+    pub fn contents(&self, mesh: &LightMesh) -> Result<Contents, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
+        if self.field.levels.iter().any(|level| level.len() < own.len() * self.field.sides.count()) {
+            let what = "the last reflection is still to come".into();
+            return Err(Error::InvalidOption { option: "bounces", what });
+        }
         let (hit_irradiance, hit_count) = self.field.hit_irradiance;
         let mut points = self.field.points.contents_since(PointCounts::default());
         points.addresses.truncate(own.len());
         points.clearances.truncate(own.len());
         points.invalid.truncate(self.own_invalid);
         let indirect = IndirectContents { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
-        let nothing = PointContents {
-            addresses: Vec::new(),
-            clearances: Vec::new(),
-            invalid: Vec::new(),
-            ..mesh.direct.points.contents_since(mesh.counts().direct)
-        };
-        Contents { direct: mesh.direct.contents(nothing, std::iter::empty()), indirect: Some(indirect) }
+        let nothing = mesh.direct.points.contents_since(mesh.direct.points.counts());
+        let direct = mesh.direct.contents(nothing, std::iter::empty());
+        Ok(Contents { direct, indirect: Some(indirect) })
     }
 }
 

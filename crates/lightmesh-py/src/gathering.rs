@@ -1,0 +1,111 @@
+//! Points of the indirect mesh that one process gathers light for.
+
+use std::sync::{Arc, Mutex, TryLockError};
+
+use lightmesh::filling::{Gathering, LevelValues};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use pyo3::prelude::*;
+
+use crate::error::{self, Raise};
+use crate::picture_job::{Job, JobError};
+use crate::work::{self, AtInterrupt, Watch};
+use crate::{arrays, bricks};
+
+/// Points of the indirect mesh on their way: their rays are shot; then they take light where these end, and exchange it reflection after
+/// reflection. It is made by PictureJob.gather, from the same bricks always the same.
+#[pyclass(name = "Gathering", module = "lightmesh", frozen)]
+pub(crate) struct PyGathering {
+    job: Arc<Job>,
+    threads: Option<usize>,
+    gathering: Arc<Mutex<Gathering>>,
+}
+
+#[pymethods]
+impl PyGathering {
+    /// Points of the direct and of the indirect mesh that its rays read: two arrays of bricks.
+    #[pyo3(signature = ())]
+    #[expect(clippy::type_complexity, reason = "two arrays")]
+    fn wanted<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>)> {
+        let wanted =
+            self.run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.wanted(&job.built.scene, mesh))))?;
+        Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
+    }
+
+    /// Takes the direct light where its rays end; what the direct mesh lacks for that is filled. Then the rays are given up.
+    #[pyo3(signature = (*, progress=None))]
+    fn light(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        self.run(py, progress, |job, gathering, watch| {
+            job.with_mesh(|mesh| gathering.light(&job.built.scene, &job.options, mesh, watch))
+        })
+    }
+
+    /// What arrives at its points after k reflections or fewer: points, uint32, (n, 4), and values, float32, (n, 6, 3), lux; (n, 1, 3) with
+    /// method "paper".
+    ///
+    /// points, values: the same after k - 1 reflections, of all points that are wanted, in any order; not looked at where k is 0. Ask for 0,
+    /// 1, 2 and so on.
+    fn bounce<'py>(
+        &self,
+        k: u32,
+        points: &Bound<'py, PyAny>,
+        values: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>)> {
+        let py = points.py();
+        let addresses = arrays::words(points, "points")?;
+        if !matches!(addresses.shape[..], [_, 4]) {
+            return Err(arrays::misshapen(py, "points", "(n, 4)", &addresses.shape));
+        }
+        let numbers: Vec<u32> = addresses.values.iter().map(|&word| u32::try_from(word).unwrap_or(u32::MAX)).collect();
+        let values = arrays::floats(values, "values")?.values;
+        let below = LevelValues { points: numbers.as_chunks().0.to_vec(), values };
+        let level =
+            self.run(py, None, move |job, gathering, _| Ok(gathering.bounce(&job.built.scene, k, &below)?))?;
+        let n = level.points.len();
+        let sides = level.values.len() / (3 * n.max(1));
+        let internal = |error: numpy::ndarray::ShapeError| error::internal(&error.to_string());
+        let points = Array2::from_shape_vec((n, 4), level.points.into_flattened()).map_err(internal)?;
+        let values = Array3::from_shape_vec((n, sides, 3), level.values).map_err(internal)?;
+        Ok((points.into_pyarray(py), values.into_pyarray(py)))
+    }
+
+    /// What other processes are to know of its points, after the last reflection: uint8, (n,), for PictureJob.absorb.
+    fn contents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let bytes = self.run(py, None, |job, gathering, _| {
+            let contents = job.with_mesh(|mesh| gathering.contents(mesh))?;
+            Ok(job.to_bytes(contents))
+        })?;
+        Ok(bytes.into_pyarray(py))
+    }
+
+    /// Memory, bytes.
+    #[getter]
+    fn bytes(&self, py: Python<'_>) -> PyResult<u64> {
+        self.run(py, None, |_, gathering, _| Ok(gathering.bytes()))
+    }
+
+    /// How many points it is for, those inside solids left out.
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        self.run(py, None, |_, gathering, _| Ok(gathering.len()))
+    }
+}
+
+impl PyGathering {
+    pub(crate) fn new(job: Arc<Job>, threads: Option<usize>, gathering: Gathering) -> Self {
+        Self { job, threads, gathering: Arc::new(Mutex::new(gathering)) }
+    }
+
+    fn run<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        callback: Option<&Bound<'_, PyAny>>,
+        work: impl FnOnce(&Job, &mut Gathering, &Watch) -> Result<T, JobError> + Send + 'static,
+    ) -> PyResult<T> {
+        let (job, gathering) = (Arc::clone(&self.job), Arc::clone(&self.gathering));
+        let work = move |watch: &Watch| match gathering.try_lock() {
+            Ok(mut gathering) => work(&job, &mut gathering, watch),
+            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
+        };
+        work::run(py, self.threads, callback, AtInterrupt::Wait, work)?.map_err(|error| error.raise(py))
+    }
+}

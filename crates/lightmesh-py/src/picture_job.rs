@@ -1,0 +1,398 @@
+//! One picture of which several processes take parts.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, TryLockError};
+
+use lightmesh::filling::{self, Wanted};
+use lightmesh::portions::{self, Outlines, PictureSamples, Portion, Prepared};
+use lightmesh::{Camera, Contents, Fingerprint, LightMesh, RenderOptions, RenderStats};
+use lightmesh_cli::{EmitterArgs, SOFTWARE, Stats, method_name, settings_json};
+use lightmesh_io::{MeshFile, Units};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::built::Built;
+use crate::error::{self, Raise};
+use crate::gathering::PyGathering;
+use crate::image::{PyImage, from_json, metadata};
+use crate::light_mesh::{IN_USE, PyLightMesh};
+use crate::scene::{PyScene, scene_camera};
+use crate::work::{self, AtInterrupt, Watch, locked};
+use crate::{arrays, bricks, keywords};
+
+/// A pair of arrays of bricks: uint64, (n, 9).
+type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>);
+
+/// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with it).
+///
+/// The samples of a picture are waves, numbered from 0; whoever has the same scene, camera and options can take any of them, and the picture is
+/// that of Scene.render, bit for bit. Mesh points can be filled before, together; those that are missing are filled on the way.
+/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each of 512 points.
+#[pyclass(name = "PictureJob", module = "lightmesh", frozen)]
+pub(crate) struct PyPictureJob {
+    pub(crate) job: Arc<Job>,
+    threads: Option<usize>,
+}
+
+/// What the work needs.
+pub(crate) struct Job {
+    name: String,
+    units: Units,
+    emitters: EmitterArgs,
+    pub(crate) built: Arc<Built>,
+    camera: Camera,
+    pub(crate) options: RenderOptions,
+    mesh: Arc<Mutex<LightMesh>>,
+    prepared: Mutex<Option<Prepared>>,
+    scene: Fingerprint,
+}
+
+/// Why a part cannot be had.
+pub(crate) enum JobError {
+    Library(lightmesh::Error),
+    File(lightmesh_io::Error),
+    /// Another thread works with it.
+    InUse,
+}
+
+impl Raise for JobError {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        match self {
+            Self::Library(error) => error.raise(py),
+            Self::File(error) => error.raise(py),
+            Self::InUse => error::general(py, IN_USE),
+        }
+    }
+}
+
+impl From<lightmesh::Error> for JobError {
+    fn from(error: lightmesh::Error) -> Self {
+        Self::Library(error)
+    }
+}
+
+impl Job {
+    /// Works with the mesh.
+    pub(crate) fn with_mesh<T>(
+        &self,
+        work: impl FnOnce(&mut LightMesh) -> Result<T, lightmesh::Error>,
+    ) -> Result<T, JobError> {
+        match self.mesh.try_lock() {
+            Ok(mut mesh) => Ok(work(&mut mesh)?),
+            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
+        }
+    }
+
+    /// Works with the mesh, made ready for the picture.
+    fn with_prepared<T>(
+        &self,
+        watch: &Watch,
+        work: impl FnOnce(&mut LightMesh, &Prepared) -> Result<T, lightmesh::Error>,
+    ) -> Result<T, JobError> {
+        self.with_mesh(|mesh| {
+            let mut prepared = locked(&self.prepared);
+            let ready = match prepared.take().filter(|prepared| prepared.holds(mesh)) {
+                Some(ready) => ready,
+                None => portions::prepare(&self.built.scene, &self.camera, &self.options, mesh, watch)?,
+            };
+            work(mesh, prepared.insert(ready))
+        })
+    }
+
+    /// Contents as the bytes of a mesh file, for other processes.
+    pub(crate) fn to_bytes(&self, contents: Contents) -> Vec<u8> {
+        lightmesh_io::mesh_to_bytes(&MeshFile {
+            scene: self.scene,
+            settings_fingerprint: Fingerprint::of_settings(&self.options),
+            software: SOFTWARE.to_owned(),
+            method: method_name(self.options.method).to_owned(),
+            settings: "{}".to_owned(),
+            contents,
+        })
+    }
+
+    fn settings(&self) -> String {
+        settings_json(&self.options, &self.emitters, self.units, &self.camera.name)
+    }
+}
+
+#[pymethods]
+impl PyPictureJob {
+    #[new]
+    #[pyo3(
+        signature = (scene, *, camera=None, mesh=None, **options),
+        text_signature = "(scene, *, camera=None, mesh=None, **options)"
+    )]
+    fn new(
+        scene: &Bound<'_, PyScene>,
+        camera: Option<&Bound<'_, PyAny>>,
+        mesh: Option<&Bound<'_, PyLightMesh>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let py = scene.py();
+        let chosen = keywords::pairs("PictureJob", options)?;
+        let (keywords, built) = match mesh {
+            Some(mesh) => mesh.get().keywords_and_scene(scene, &chosen)?,
+            None => {
+                let keywords = keywords::parse(py, &chosen)?;
+                let built = scene.get().built(py, &keywords)?;
+                (keywords, built)
+            }
+        };
+        let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
+        let options = keywords.options(&camera);
+        options.check_picture_memory().map_err(|error| error.raise(py))?;
+        let shared = mesh.map(|mesh| Arc::clone(&mesh.get().mesh));
+        let (theirs, mesh_options) = (Arc::clone(&built), options.clone());
+        let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, move |_| {
+            let mesh = match shared {
+                Some(mesh) => mesh,
+                None => Arc::new(Mutex::new(LightMesh::new(&theirs.scene, &mesh_options)?)),
+            };
+            Ok((mesh, Fingerprint::of_scene(&theirs.scene)))
+        })?;
+        let (mesh, fingerprint) = made.map_err(|error: lightmesh::Error| error.raise(py))?;
+        let job = Job {
+            name: scene.get().name.clone(),
+            units: scene.get().units,
+            emitters: keywords.emitters().clone(),
+            built,
+            camera,
+            options,
+            mesh,
+            prepared: Mutex::new(None),
+            scene: fingerprint,
+        };
+        Ok(Self { job: Arc::new(job), threads: keywords.threads() })
+    }
+
+    /// How many waves the picture's samples are.
+    #[getter]
+    fn wave_count(&self, py: Python<'_>) -> PyResult<u64> {
+        portions::wave_count(&self.job.options).map_err(|error| error.raise(py))
+    }
+
+    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
+    #[getter]
+    fn level_count(&self, py: Python<'_>) -> PyResult<u32> {
+        let levels = self.job.with_mesh(|mesh| Ok(mesh.level_count()));
+        levels.map_err(|error| error.raise(py))
+    }
+
+    /// Whether there is a mesh of indirect light.
+    #[getter]
+    fn has_indirect(&self, py: Python<'_>) -> PyResult<bool> {
+        self.job.with_mesh(|mesh| Ok(mesh.has_indirect())).map_err(|error| error.raise(py))
+    }
+
+    /// Diffuse interreflections: groups exchange their levels 0 to so many.
+    #[getter]
+    fn bounces(&self) -> u32 {
+        self.job.options.bounces
+    }
+
+    /// (width, height), pixels.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        (self.job.options.width, self.job.options.height)
+    }
+
+    /// Every option and the camera's name, as a JSON object.
+    #[getter]
+    fn options_json(&self) -> String {
+        self.job.settings()
+    }
+
+    /// 32 hexadecimal digits of the scene, the camera and all options: jobs of the same fingerprint make the same picture.
+    #[getter]
+    fn fingerprint(&self) -> String {
+        let job = &self.job;
+        let what = format!("{} {} {:?} {SOFTWARE}", job.scene, job.settings(), job.camera);
+        Fingerprint::of_text(&what).to_string()
+    }
+
+    /// Looks at the whole picture, as far as the options want it (error, refine, graded), which the other methods do where it has not been
+    /// done; returns what it took, with the keys of the library's stats.
+    #[pyo3(signature = (*, progress=None))]
+    fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let stats = self.run(py, progress, |job, watch| job.with_prepared(watch, |_, prepared| Ok(prepared.stats)))?;
+        from_json(py, &json(&stats)?)
+    }
+
+    /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that this process lacks.
+    #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
+    fn demand<'py>(
+        &self,
+        py: Python<'py>,
+        first: u64,
+        last: u64,
+        outlines: Option<&Bound<'py, PyTuple>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<BrickArrays<'py>> {
+        let outlines = outlines.map(outlines_of).transpose()?;
+        let wanted = self.run(py, progress, move |job, watch| {
+            job.with_prepared(watch, |mesh, prepared| {
+                let part = (prepared, samples(outlines.as_ref()), first..last);
+                filling::demand(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
+            })
+        })?;
+        Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
+    }
+
+    /// Fills points of the direct mesh; returns what it knows of all of them: uint8, (n,), for absorb.
+    #[pyo3(signature = (bricks, *, progress=None))]
+    fn fill_direct<'py>(
+        &self,
+        bricks: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let direct = bricks::from_array(bricks, "bricks")?;
+        let bytes = self.run(bricks.py(), progress, move |job, watch| {
+            let contents = job.with_mesh(|mesh| {
+                filling::fill_direct(&job.built.scene, &job.options, mesh, &direct, watch)?;
+                mesh.contents_of(&Wanted { direct, indirect: Vec::new() })
+            })?;
+            Ok(job.to_bytes(contents))
+        })?;
+        Ok(bytes.into_pyarray(bricks.py()))
+    }
+
+    /// Adds points that fill_direct or a group's contents gave; those that are there already are left as they are.
+    fn absorb(&self, contents: &Bound<'_, PyAny>) -> PyResult<()> {
+        let bytes = arrays::bytes(contents, "contents")?;
+        self.run(contents.py(), None, move |job, _| {
+            let file = lightmesh_io::mesh_from_bytes("contents", &bytes, job.options.max_memory);
+            let file = file.map_err(JobError::File)?;
+            file.check("contents".as_ref(), job.scene, &job.options).map_err(JobError::File)?;
+            job.with_mesh(|mesh| mesh.absorb(&file.contents))
+        })
+    }
+
+    /// Gathers light for some points of the indirect mesh: shoots their rays, and finds out what these read.
+    #[pyo3(signature = (bricks, *, progress=None))]
+    fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
+        let points = bricks::from_array(bricks, "bricks")?;
+        let gathering = self.run(bricks.py(), progress, move |job, watch| {
+            job.with_mesh(|mesh| filling::Gathering::new(&job.built.scene, &job.options, mesh, &points, watch))
+        })?;
+        Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
+    }
+
+    /// Takes the samples of waves first to last (exclusive): a dict with both, values (float32: the sums of each pixel's light and layers),
+    /// seen (uint8: what was seen of lamps) and stats (JSON).
+    #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        first: u64,
+        last: u64,
+        outlines: Option<&Bound<'py, PyTuple>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let outlines = outlines.map(outlines_of).transpose()?;
+        let Portion { waves, values, seen, stats } = self.run(py, progress, move |job, watch| {
+            job.with_prepared(watch, |mesh, prepared| {
+                let part = (prepared, samples(outlines.as_ref()), first..last);
+                portions::render(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
+            })
+        })?;
+        let portion = PyDict::new(py);
+        portion.set_item("first", waves.start)?;
+        portion.set_item("last", waves.end)?;
+        portion.set_item("values", values.into_pyarray(py))?;
+        portion.set_item("seen", seen.into_pyarray(py))?;
+        portion.set_item("stats", json(&stats)?)?;
+        Ok(portion)
+    }
+
+    /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and how many waves they
+    /// are; None: there is nothing to do.
+    fn outlines<'py>(
+        &self,
+        py: Python<'py>,
+        portions: Vec<Bound<'py, PyDict>>,
+    ) -> PyResult<Option<(Bound<'py, PyArray1<u8>>, u64)>> {
+        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let outlines = self.run(py, None, move |job, _| {
+            Ok(portions::outlines(&job.built.scene, &job.camera, &job.options, &taken)?)
+        })?;
+        Ok(outlines.map(|outlines| (outlines.seen.into_pyarray(py), outlines.waves)))
+    }
+
+    /// The picture from all waves, and those of the outlines.
+    #[pyo3(signature = (portions, outlines=None, outline_portions=Vec::new()), text_signature = "($self, portions, outlines=None, outline_portions=())")]
+    fn assemble<'py>(
+        &self,
+        py: Python<'py>,
+        portions: Vec<Bound<'py, PyDict>>,
+        outlines: Option<&Bound<'py, PyTuple>>,
+        outline_portions: Vec<Bound<'py, PyDict>>,
+    ) -> PyResult<PyImage> {
+        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let anew: Vec<Portion> = outline_portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let outlines = outlines.map(outlines_of).transpose()?;
+        let job = &self.job;
+        let frame = self.run(py, None, move |job, _| {
+            let anew = outlines.as_ref().map(|outlines| (outlines, anew.as_slice()));
+            Ok(portions::assemble(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
+        })?;
+        let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
+        let text = serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?;
+        let mut metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
+        (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
+        metadata.estimated_error = frame.stats.estimated_error;
+        Ok(PyImage::of_frame(frame, metadata, text))
+    }
+
+    fn __repr__(&self) -> String {
+        let Job { name, options, .. } = &*self.job;
+        format!(
+            "<lightmesh.PictureJob {}x{} of {name:?} {}>",
+            options.width,
+            options.height,
+            method_name(options.method)
+        )
+    }
+}
+
+impl PyPictureJob {
+    fn run<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        callback: Option<&Bound<'_, PyAny>>,
+        work: impl FnOnce(&Job, &Watch) -> Result<T, JobError> + Send + 'static,
+    ) -> PyResult<T> {
+        let job = Arc::clone(&self.job);
+        let done = work::run(py, self.threads, callback, AtInterrupt::Wait, move |watch| work(&job, watch))?;
+        done.map_err(|error| error.raise(py))
+    }
+}
+
+fn samples(outlines: Option<&Outlines>) -> PictureSamples<'_> {
+    outlines.map_or(PictureSamples::All, PictureSamples::Outlines)
+}
+
+/// What [`PyPictureJob::outlines`] gave.
+fn outlines_of(value: &Bound<'_, PyTuple>) -> PyResult<Outlines> {
+    let (seen, waves): (Bound<'_, PyAny>, u64) = value.extract()?;
+    Ok(Outlines { seen: arrays::bytes(&seen, "outlines")?, waves })
+}
+
+/// What [`PyPictureJob::render`] gave.
+fn portion_of(value: &Bound<'_, PyDict>) -> PyResult<Portion> {
+    let item = |name: &str| {
+        let missing = || error::option(value.py(), format!("portions: one has no {name:?}"));
+        value.get_item(name)?.ok_or_else(missing)
+    };
+    let waves: Range<u64> = item("first")?.extract()?..item("last")?.extract()?;
+    let text: String = item("stats")?.extract()?;
+    let stats: RenderStats =
+        serde_json::from_str(&text).map_err(|error| error::option(value.py(), format!("portions: stats: {error}")))?;
+    let values = arrays::floats(&item("values")?, "values")?.values;
+    Ok(Portion { waves, values, seen: arrays::bytes(&item("seen")?, "seen")?, stats })
+}
+
+fn json(stats: &RenderStats) -> PyResult<String> {
+    serde_json::to_string(stats).map_err(|error| error::internal(&error.to_string()))
+}

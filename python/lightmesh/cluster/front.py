@@ -1,0 +1,126 @@
+"""The front doors: a picture, frames, a baked mesh."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from lightmesh._native import Image, LightMesh, Scene, __version__
+from lightmesh.cluster.cuts import TASKS_PER_WORKER
+from lightmesh.cluster.folder import JobFolder
+from lightmesh.cluster.job import GATHER_BYTES, CameraChoice, Pictures, describe
+from lightmesh.cluster.plan import Plan
+from lightmesh.cluster.progress import reporter
+from lightmesh.cluster.task import Executor
+
+Progress: TypeAlias = bool | Callable[[str, int, int, int], object] | None
+
+
+@dataclass(frozen=True)
+class Farm:
+    """How a job is done. Nothing of its pictures depends on it."""
+
+    address: str | None = None
+    """Of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores
+    alone."""
+    job: str | PathLike[str] | None = None
+    """A folder that keeps what is done: the same job goes on there after its process has ended. None: nothing is
+    kept."""
+    threads: int | None = None
+    """Of each worker; None: as many as the smallest node that takes part has cores."""
+    memory: int | None = None
+    """Bytes that Ray sets aside for each worker; None: none. A worker takes the scene, the mesh (max_memory at most)
+    and gather_memory."""
+    gather_memory: int = GATHER_BYTES
+    """Bytes for gathered points that a worker keeps from one reflection to the next; those that do not fit are
+    gathered for again."""
+    progress: Progress = None
+    """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as
+    they are known."""
+    stats: dict[str, Any] | None = None
+    """Takes up what the job took: stages, workers with their memory, bytes."""
+    executor: Executor | None = None
+    """Does the tasks in place of a Ray cluster."""
+
+
+def render(scene: Scene, address: str | None = None, *, camera: CameraChoice = None, **options: Any) -> Image:
+    """Renders a picture on a cluster; the same, bit for bit, as `scene.render(camera=camera, ...)`.
+
+    options: those of `Scene.render`, and the fields of `Farm`.
+    """
+    ((_, image),) = render_frames(scene, [camera], address, **options)
+    return image
+
+
+def render_frames(
+    scene: Scene, cameras: Sequence[CameraChoice], address: str | None = None, **options: Any
+) -> Iterator[tuple[int, Image]]:
+    """Renders a picture for each camera, with one light mesh for all; yields (number, picture) as they are done.
+
+    options: as for `render`. Work begins when the first picture is asked for.
+    """
+    with _plan(scene, cameras, "frames", address, options) as plan:
+        plan.fill()
+        yield from plan.pictures()
+
+
+def bake(
+    scene: Scene, address: str | None = None, *, cameras: Sequence[CameraChoice] = (None,), **options: Any
+) -> LightMesh:
+    """Fills a light mesh with all that pictures by these cameras read, and returns it.
+
+    options: as for `render`, with a method that has a mesh.
+    """
+    with _plan(scene, cameras, "bake", address, options) as plan:
+        plan.fill()
+        plan.take_over()
+        return plan.mesh
+
+
+@contextmanager
+def _plan(
+    scene: Scene, cameras: Sequence[CameraChoice], what: str, address: str | None, options: dict[str, Any]
+) -> Iterator[Plan]:
+    """A job that is ready to begin, and let go of at the end."""
+    of_farm = {name: options.pop(name) for name in list(options) if name in Farm.__dataclass_fields__}
+    farm = Farm(address=address, **of_farm)
+    mesh: LightMesh | None = options.pop("mesh", None)
+    with ExitStack() as ends:
+        report, close_bar = reporter(farm.progress)
+        ends.callback(close_bar)
+        # What is wrong with the picture is said before a cluster is looked for
+        job = describe(scene, cameras, options, mesh, gather_bytes=farm.gather_memory)
+        pictures = Pictures(job, scene, cameras, mesh)
+        first = pictures.any()
+        executor = farm.executor or _ray(farm)
+        ends.callback(executor.close)
+        job = replace(job, threads=executor.threads)
+        tasks = TASKS_PER_WORKER * executor.workers
+        folder = None
+        if farm.job is not None:
+            folder = JobFolder(Path(farm.job))
+            ends.callback(folder.close)
+            manifest = {
+                "version": __version__,
+                "fingerprint": job.fingerprint(first),
+                "what": f"{what}, {len(cameras)} cameras, {first.options_json}",
+                "tasks_per_stage": tasks,
+            }
+            # Cut as it was, so that what is done fits
+            tasks = folder.open(manifest)["tasks_per_stage"]
+        plan = Plan(
+            pictures, executor.share(job, job.bytes), executor, tasks_per_stage=tasks, folder=folder, report=report
+        )
+        yield plan
+        if mesh is not None:
+            plan.take_over()
+        if farm.stats is not None:
+            farm.stats.update(plan.measured.summary())
+
+
+def _ray(farm: Farm) -> Executor:
+    from lightmesh.cluster.ray_backend import RayExecutor
+
+    return RayExecutor(farm.address, threads=farm.threads, memory=farm.memory)
