@@ -75,7 +75,7 @@ def illuminance(
     uniformity U0, the least over the average, of the values given.
 
     plane_x, plane_y: where the values are, metres, (W,) and (H,), at least two each.
-    lux: (H, W), lux, one row for each plane_y.
+    lux: (H, W), lux, one row for each plane_y; NaN where nothing is to be measured, as inside of furniture.
     levels: of the lines, lux; None takes the steps of EN 12464-1, or evenly spaced ones where fewer than four of these are met.
     limits: illuminances of the first and the last colour, lux, for figures that are compared; None takes those of the values.
     labels: of the axes, with their unit.
@@ -85,29 +85,32 @@ def illuminance(
         raise ValueError(f"plane_x, plane_y: expected (W,) and (H,), 2 or more, not {across.shape} and {along.shape}")
     if values.shape != (along.size, across.size):
         raise ValueError(f"lux: expected the shape {(along.size, across.size)}, (H, W), not {values.shape}")
-    low, high = limits or (float(values.min()), float(values.max()))
+    known = numpy.ma.masked_invalid(values)
+    if known.count() == 0:
+        raise ValueError("lux: there is no finite value")
+    least, mean, most = float(known.min()), float(known.mean()), float(known.max())
+    low, high = limits or (least, most)
 
     ax = axes_or_new(ax, 7.0, 5.0)
-    colours = ax.pcolormesh(across, along, values, shading="gouraud", cmap="viridis", vmin=low, vmax=high)
+    colours = ax.pcolormesh(across, along, known, shading="gouraud", cmap="viridis", vmin=low, vmax=high)
     colour_bar(ax, colours, "illuminance (lx)")
-    at = _isolines(values) if levels is None else numpy.asarray(levels, numpy.float64)
-    at = at[(at > values.min()) & (at < values.max())]
+    at = _isolines(least, most) if levels is None else numpy.sort(numpy.asarray(levels, numpy.float64))
+    at = at[(at > least) & (at < most)]
     if at.size:
-        lines = ax.contour(across, along, values, levels=at, colors="white", linewidths=1.1)
+        lines = ax.contour(across, along, known, levels=at, colors="white", linewidths=1.1)
         lines.set_path_effects([Stroke(linewidth=2.2, foreground="#222222"), Normal()])
         for text in ax.clabel(lines, fmt="%g lx", fontsize=9):
             text.set_path_effects([Stroke(linewidth=2.5, foreground="#222222"), Normal()])
     ax.set(xlabel=labels[0], ylabel=labels[1], aspect="equal")
-    mean, least = float(values.mean()), float(values.min())
     uniformity = f", $U_0$ = {least / mean:.2f}" if mean > 0 else ""
     ax.set_title(f"$E_{{av}}$ = {mean:.0f} lx, $E_{{min}}$ = {least:.0f} lx{uniformity}")
     return ax
 
 
-def _isolines(lux: NDArray[Any]) -> NDArray[Any]:
+def _isolines(least: float, most: float) -> NDArray[Any]:
     steps = numpy.asarray(STEPS_LX, numpy.float64)
-    met = steps[(steps > lux.min()) & (steps < lux.max())]
-    return met if met.size >= 4 else numpy.asarray(MaxNLocator(6).tick_values(float(lux.min()), float(lux.max())))
+    met = steps[(steps > least) & (steps < most)]
+    return met if met.size >= 4 else numpy.asarray(MaxNLocator(6).tick_values(least, most))
 
 
 def _checked(name: str, effort: ArrayLike, error: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -82,8 +82,9 @@ def slice_of_mesh(
     # What is in the dark has no logarithm.
     dots.set(array=numpy.maximum(lux, low), cmap="inferno", norm=LogNorm(low, high, clip=True))
     ax.add_collection(dots)
-    count = int((~valid).sum())
-    ax.scatter(flat[~valid][:, 0], flat[~valid][:, 1], s=10, c=GREY, marker="x", linewidths=0.8, label=f"{count} invalid: in solids or on surfaces")
+    crosses, count = flat[~valid], int((~valid).sum())
+    label = f"{count} invalid: in solids or on surfaces"
+    ax.scatter(crosses[:, 0], crosses[:, 1], s=10, c=GREY, marker="x", linewidths=0.8, label=label)
     _outline(ax, mesh, right, up)
     ax.set(xlabel=f"{'xyz'[right]} (m)", ylabel=f"{'xyz'[up]} (m)", aspect="equal")
     if axis == "y":
@@ -91,7 +92,7 @@ def slice_of_mesh(
     below, above = bool((lux < low).any()), bool((lux > high).any())
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[below, above]
     bar = colour_bar(ax, dots, f"{light} illuminance, facing {facing} (lx)", extend)
-    bar.ax.yaxis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5)))
+    bar.ax.yaxis.set_major_locator(LogLocator(base=10, subs=(1, 1.5, 2, 3, 5, 7)))
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     bar.ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set_title(f"{int(near.sum())} points of the {light} mesh at {axis} = {at:.4g} m")
@@ -156,7 +157,7 @@ def _lux(mesh: LightMesh, light: _Light, facing: _Facing) -> NDArray[Any]:
     face = FACINGS.index(facing)
     values: NDArray[Any] = mesh.values if light == "direct" else mesh.indirect_values
     if values.shape[1:] not in ((6, 2, 3), (6, 3)):
-        raise ValueError('mesh: only points of method="mesh" know the illuminance of planes')
+        raise ValueError('mesh: only points of method "mesh" know the illuminance of planes')
     of_face = values[:, face, 0] if light == "direct" else values[:, face]
     found: NDArray[Any] = units.luminance(of_face)
     return found
