@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, TypeAlias, TypedDict, final
 
@@ -7,15 +7,20 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 __all__ = [
     "Camera",
+    "Gathering",
     "Image",
     "Light",
     "LightMesh",
     "Material",
+    "PictureJob",
     "Scene",
     "__version__",
     "_compare",
     "_option_defaults",
     "_run_program",
+    "count_points",
+    "join_bricks",
+    "subtract_bricks",
 ]
 
 __version__: str
@@ -28,6 +33,16 @@ _Method: TypeAlias = Literal["mesh", "paper", "standard", "hybrid", "unbiased", 
 _Weight: TypeAlias = Literal["constant", "gaussian", "inverse", "cosine"]
 _PaperScale: TypeAlias = Literal["visibility", "constant"]
 _Progress: TypeAlias = bool | Callable[[str, int, int, int], object]
+_Report: TypeAlias = Callable[[str, int, int, int], object]
+_Bricks: TypeAlias = NDArray[numpy.uint64]
+_Outlines: TypeAlias = tuple[NDArray[numpy.uint8], int]
+
+class _Portion(TypedDict):
+    first: int
+    last: int
+    values: NDArray[numpy.float32]
+    seen: NDArray[numpy.uint8]
+    stats: str
 
 class _MeshStats(TypedDict):
     spacing_m: float
@@ -123,6 +138,10 @@ class Scene:
         max_memory: int | str = "4GiB",
         scene: str | int | None = None,
     ) -> Scene: ...
+    def to_bytes(self) -> bytes: ...
+    @staticmethod
+    def from_bytes(data: bytes) -> Scene: ...
+    def __reduce__(self) -> tuple[Callable[[bytes], Scene], tuple[bytes]]: ...
     def add_material(self, material: Material) -> int: ...
     def add_mesh(
         self,
@@ -264,6 +283,63 @@ class Image:
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]: ...
     def _repr_png_(self) -> bytes: ...
 
+@final
+class PictureJob:
+    def __new__(
+        cls,
+        scene: Scene,
+        *,
+        camera: Camera | str | int | None = None,
+        mesh: LightMesh | None = None,
+        **options: Any,
+    ) -> PictureJob: ...
+    @property
+    def wave_count(self) -> int: ...
+    @property
+    def level_count(self) -> int: ...
+    @property
+    def has_indirect(self) -> bool: ...
+    @property
+    def bounces(self) -> int: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def options_json(self) -> str: ...
+    @property
+    def fingerprint(self) -> str: ...
+    def prepare(self, *, progress: _Report | None = None) -> dict[str, Any]: ...
+    def demand(
+        self, first: int, last: int, *, outlines: _Outlines | None = None, progress: _Report | None = None
+    ) -> tuple[_Bricks, _Bricks]: ...
+    def fill_direct(self, bricks: _Bricks, *, progress: _Report | None = None) -> NDArray[numpy.uint8]: ...
+    def absorb(self, contents: NDArray[numpy.uint8]) -> None: ...
+    def gather(self, bricks: _Bricks, *, progress: _Report | None = None) -> Gathering: ...
+    def render(
+        self, first: int, last: int, *, outlines: _Outlines | None = None, progress: _Report | None = None
+    ) -> _Portion: ...
+    def outlines(self, portions: Sequence[Mapping[str, Any]]) -> _Outlines | None: ...
+    def assemble(
+        self,
+        portions: Sequence[Mapping[str, Any]],
+        outlines: _Outlines | None = None,
+        outline_portions: Sequence[Mapping[str, Any]] = (),
+    ) -> Image: ...
+
+@final
+class Gathering:
+    def wanted(self) -> tuple[_Bricks, _Bricks]: ...
+    def light(self, *, progress: _Report | None = None) -> None: ...
+    def bounce(
+        self, k: int, points: NDArray[numpy.uint32], values: NDArray[numpy.float32]
+    ) -> tuple[NDArray[numpy.uint32], NDArray[numpy.float32]]: ...
+    def contents(self) -> NDArray[numpy.uint8]: ...
+    @property
+    def bytes(self) -> int: ...
+    def __len__(self) -> int: ...
+
+def join_bricks(bricks: Sequence[_Bricks]) -> _Bricks: ...
+def subtract_bricks(bricks: _Bricks, others: _Bricks) -> _Bricks: ...
+def count_points(bricks: _Bricks) -> int: ...
 def _compare(
     a: Image | ArrayLike, b: Image | ArrayLike, *, linear: bool = False
 ) -> tuple[float, float, float, float | None]: ...

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy
@@ -70,12 +71,14 @@ def test_bad_input_is_2(
 
 def test_ctrl_c_is_130_and_the_same_command_goes_on(cluster: str, scene_file: Path, tmp_path: Path) -> None:
     picture = tmp_path / "picture.exr"
-    words = ["farm", "render", scene_file, "-o", picture, "--size", "1024x1024", "--spp", "4", "--address", cluster]
-    command = [sys.executable, "-m", "lightmesh", *map(str, words)]
+    words = ["farm", "render", scene_file, "-o", picture, "--size", "512x512", "--spp", "8"]
+    more = ["--address", cluster, "--spacing", "1/32", "--bounces", "1"]
+    command = [sys.executable, "-m", "lightmesh", *map(str, words), *more]
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     folder = tmp_path / "picture.exr.job" / "waves"
     while not (folder.is_dir() and any(folder.glob("*.npz"))):
         assert running.poll() is None
+        time.sleep(0.01)
     os.kill(running.pid, signal.SIGINT)
     _, said = running.communicate(timeout=20)
     assert (running.returncode, picture.exists()) == (130, False)
