@@ -135,9 +135,7 @@ for ax, runs, truth, title in (
     (panels[1], full_runs, full, f"All light, {bounces} reflection{'s' if bounces > 1 else ''}"),
 ):
     plot.convergence({name: ([one.seconds for one in row], [one.error for one in row]) for name, row in runs.items()}, ax=ax)
-    if ax.get_ylim()[0] < truth.noise:
-        ax.axhspan(ax.get_ylim()[0], truth.noise, color="#eeeeee", zorder=0)
-    ax.set_title(f"{title}: {len(scene.lights)} lights, {size[0]} x {size[1]} pixels")
+    ax.set_title(f"{title}: {len(scene.lights)} lights, noise of the reference {100 * truth.noise:.1g}%")
 figure.savefig(options.out / "convergence.png", dpi=110)
 
 # %% [markdown]

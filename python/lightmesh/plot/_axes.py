@@ -38,5 +38,5 @@ def colour_bar(ax: Axes, shown: ScalarMappable, label: str, extend: str = "neith
 def round_up(value: float) -> float:
     """The least of 1, 2, 5, 10, 20, ... times a power of ten that is not below a positive value."""
     power = 10.0 ** math.floor(math.log10(value))
-    # The quotient may be 1.0000000002.
-    return next(step * power for step in (1, 2, 5, 10) if value <= step * power * (1 + 1e-9))
+    # What comes of float32 may be a little above a step.
+    return next(step * power for step in (1, 2, 5, 10) if value <= step * power * (1 + 1e-5))

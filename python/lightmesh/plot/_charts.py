@@ -25,7 +25,7 @@ def convergence(
     slope: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
-    """Error against effort, both on scales of powers of ten, one line for each method.
+    """Error against effort, both on scales of powers of ten, one line for each method, through its points in the order given.
 
     series: by name the efforts and the errors, as long as each other and positive; errors as relrmse gives them (0.1 is 10%).
     against: what the effort is: "seconds", or "samples" per pixel.
@@ -41,10 +41,9 @@ def convergence(
     ax.set(xscale="log", yscale="log")
     drawn = []
     for index, (name, (effort, error)) in enumerate(checked.items()):
-        order = numpy.argsort(effort, kind="stable")
         colour, marker = COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)]
-        ax.plot(effort[order], error[order], color=colour, marker=marker, markersize=5, linewidth=1.5, label=name)
-        drawn.append(Labelled(name, colour, numpy.stack([effort[order], error[order]], axis=1)))
+        ax.plot(effort, error, color=colour, marker=marker, markersize=5, linewidth=1.5, label=name)
+        drawn.append(Labelled(name, colour, numpy.stack([effort, error], axis=1)))
 
     efforts = numpy.concatenate([effort for effort, _ in checked.values()])
     errors = numpy.concatenate([error for _, error in checked.values()])
