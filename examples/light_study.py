@@ -1,9 +1,10 @@
 # %% [markdown]
 # # Is there enough light to work by?
 #
-# An office of 7.2 m x 5.4 m x 2.8 m with eight opal globes is built from arrays. We ask for the illuminance on the work plane, 0.85 m above
-# the floor, as EN 12464-1 has it: its average, its least value and the uniformity U0, with the light that surfaces reflect and
-# without. Then we check what we got: against the closed form of a point light, and against the path tracer.
+# An office of 7.2 m x 5.4 m x 2.8 m with eight opal globes is built from arrays. We ask for the illuminance on the
+# work plane, 0.85 m above the floor, as EN 12464-1 has it: its average, its least value and the uniformity U0, with
+# the light that surfaces reflect and without. Then we check what we got: against the closed form of a point light,
+# and against the path tracer.
 #
 #     python examples/light_study.py --out examples/out
 #
@@ -38,11 +39,11 @@ options.out.mkdir(parents=True, exist_ok=True)
 # %% [markdown]
 # ## The room
 #
-# Y is up, the floor's corner is the origin, lengths are metres. Reflectances are the usual ones of a light study: ceiling 0.7, walls 0.5,
-# floor 0.2 (oak). Everything is Lambertian (`specular=0`).
+# Y is up, the floor's corner is the origin, lengths are metres. Reflectances are the usual ones of a light study:
+# ceiling 0.7, walls 0.5, floor 0.2 (oak). Everything is Lambertian (`specular=0`).
 #
-# The lamps are opal globes of 20 cm that shine alike in every direction: a flux F (lm) is an intensity I = F / 4 pi (cd). They are point lights
-# with a radius (`light_radius`), which gives soft shadows.
+# The lamps are opal globes of 20 cm that shine alike in every direction: a flux F (lm) is an intensity I = F / 4 pi
+# (cd). They are point lights with a radius (`light_radius`), which gives soft shadows.
 
 # %%
 WIDTH, DEPTH, HEIGHT = 7.2, 5.4, 2.8
@@ -96,9 +97,9 @@ print(f"{len(LAMPS)} lamps of {FLUX_LM:.0f} lm, {intensity:.1f} cd in every dire
 # %% [markdown]
 # ## Where to measure
 #
-# EN 12464-1 (2021, the clause on the illuminance grid) asks for a grid whose points are no further apart than p = 0.2 x 5^(log10 d) metres,
-# at most 10 m, where d is the longer side of the area, or the shorter one if the longer is twice as long or more. A strip of 0.5 m along the walls is
-# left out. Points are in the middle of equal cells.
+# EN 12464-1 (2021, the clause on the illuminance grid) asks for a grid whose points are no further apart than p = 0.2
+# x 5^(log10 d) metres, at most 10 m, where d is the longer side of the area, or the shorter one if the longer is
+# twice as long or more. A strip of 0.5 m along the walls is left out. Points are in the middle of equal cells.
 
 # %%
 PLANE_M, MARGIN_M = 0.85, 0.5
@@ -132,7 +133,8 @@ print(f"grid: p = {step:.2f} m at most, {x.size} x {z.size} points, {x[1] - x[0]
 # %% [markdown]
 # ## Illuminance
 #
-# The mesh is filled where the points ask for it; `direct` is what comes straight from the lamps, `irradiance` has the reflected light too.
+# The mesh is filled where the points ask for it; `direct` is what comes straight from the lamps, `irradiance` has the
+# reflected light too.
 
 # %%
 bounces = 2 if options.quick else 8
@@ -172,8 +174,8 @@ print(f"writing, typing, reading in offices (EN 12464-1: 500 lx, U0 0.60): {'met
 # %%
 fine_x, fine_z, fine = grid(0.3 if options.quick else 0.1)
 inside = numpy.zeros(fine.shape[:2], bool)
-for low, high, _ in FURNITURE:
-    inside |= ((fine > low) & (fine < high)).all(axis=-1)
+for corner, opposite, _ in FURNITURE:
+    inside |= ((fine > corner) & (fine < opposite)).all(axis=-1)
 both: list[tuple[str, Floats]] = [
     (name, numpy.where(inside, numpy.nan, lux(measure(fine.reshape(-1, 3), UP)).reshape(inside.shape)))
     for name, measure in (("Lamps alone", mesh.direct), ("With reflected light", mesh.irradiance))
@@ -201,8 +203,8 @@ figure.savefig(options.out / "isolines.png", dpi=100)
 # %% [markdown]
 # ## The room, and the mesh that knows its light
 #
-# Nobody sees a point light. For the picture each is a sphere that shines: of the radius r and the luminance I / (pi r^2), cd/m², it has the
-# intensity I.
+# Nobody sees a point light. For the picture each is a sphere that shines: of the radius r and the luminance I / (pi
+# r^2), cd/m², it has the intensity I.
 
 # %%
 eye = Camera.look_at((7.05, 1.65, 5.25), (2.7, 1.15, 2.1), yfov=0.95)
@@ -218,8 +220,9 @@ plot.illuminance(fine_x, fine_z, both[1][1], levels=LINES, labels=AXES, ax=right
 plan(right)
 figure.savefig(options.out / "light_study.jpg", dpi=100, pil_kwargs={"quality": 88})
 
-sliced = plot.slice_of_mesh(mesh, "y", at=PLANE_M)
-sliced.figure.savefig(options.out / "slice.png", dpi=100)
+figure, ax = plt.subplots(figsize=(7, 5), layout="constrained")
+plot.slice_of_mesh(mesh, "y", at=PLANE_M, ax=ax)
+figure.savefig(options.out / "slice.png", dpi=100)
 
 # %% [markdown]
 # ## Check 1: the closed form
@@ -242,8 +245,9 @@ assert off < 0.01, "the mesh is more than 1% off the closed form"
 # %% [markdown]
 # ## Check 2: the path tracer
 #
-# At some points of the grid, by independent runs with other seeds: their spread gives the standard error of their mean, and z is how many
-# standard errors the mesh is away. The mesh interpolates, so it may be off by more than the noise of a long run: we say by how much.
+# At some points of the grid, by independent runs with other seeds: their spread gives the standard error of their
+# mean, and z is how many standard errors the mesh is away. The mesh interpolates, so it may be off by more than the
+# noise of a long run: we say by how much.
 
 # %%
 chosen = points.reshape(-1, 3)[:: max(1, x.size * z.size // 6)]

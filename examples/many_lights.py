@@ -1,8 +1,9 @@
 # %% [markdown]
 # # A hundred lights: error against time
 #
-# Which method is how far from the truth after how many seconds? `scenes/room_100.glb` has a hundred lights. We make a reference of our own, then
-# take the same picture by every method, at several settings each, first of direct light and then of all light.
+# Which method is how far from the truth after how many seconds? `scenes/room_100.glb` has a hundred lights. We make a
+# reference of our own, then take the same picture by every method, at several settings each, first of direct light
+# and then of all light.
 #
 #     python examples/many_lights.py --out examples/out
 #
@@ -37,8 +38,8 @@ print(f"{time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores")
 # %% [markdown]
 # ## References, and how good they are
 #
-# Direct light is exact with `standard`, a shadow ray to every light; all light with `path`. Two halves with other seeds are averaged.
-# Half their distance is the noise of the average, and no method can be seen to be better than it.
+# Direct light is exact with `standard`, a shadow ray to every light; all light with `path`. Two halves with other
+# seeds are averaged. Half their distance is the noise of the average, and no method can be seen to be better than it.
 
 # %%
 Light = NDArray[numpy.float32]
@@ -65,8 +66,8 @@ print(f"noise of the references: direct light {100 * direct.noise:.2f}%, all lig
 # %% [markdown]
 # ## Runs
 #
-# Each picture starts with an empty mesh, and its time is that of the whole frame, the filling of the mesh too. A mesh is kept from frame to frame:
-# the second frame of the same place costs the shading alone.
+# Each picture starts with an empty mesh, and its time is that of the whole frame, the filling of the mesh too. A mesh
+# is kept from frame to frame: the second frame of the same place costs the shading alone.
 
 # %%
 Settings = dict[str, list[dict[str, Any]]]
@@ -125,8 +126,8 @@ full_runs = run(of_all_light, full, bounces)
 # %% [markdown]
 # ## Error against time
 #
-# Lines fall towards the lower left where a method is good. Random samples fall along the dashed slope; a mesh falls until its points are
-# finer than what they have to resolve.
+# Lines fall towards the lower left where a method is good. Random samples fall along the dashed slope; a mesh falls
+# until its points are finer than what they have to resolve.
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(12, 5), layout="constrained")
