@@ -11,6 +11,8 @@ each, for `python -m lightmesh.cluster.simulate`.
 import argparse
 import os
 import statistics
+import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -19,11 +21,13 @@ os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
 os.environ["RAY_AUTH_MODE"] = "disabled"
 os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
 
+import numpy
 import ray
 from ray.cluster_utils import Cluster
 
 from lightmesh import Scene
 from lightmesh.cluster import render, worker
+from lightmesh.cluster.folder import JobFolder
 from lightmesh.cluster.ray_backend import RayExecutor
 from lightmesh.cluster.task import Outcome, Shared, Task
 
@@ -32,7 +36,7 @@ EMPTY_TASKS = 2000
 
 def nothing(job: Shared, task: Task, fetch: worker.Fetch, node: str) -> Outcome:
     """A task that does nothing."""
-    return Outcome({}, node, 0, 0.0, 0.0, 0.0, 0, 0, 0)
+    return Outcome({}, node, 0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0)
 
 
 def seconds_per_task() -> tuple[float, float]:
@@ -51,6 +55,19 @@ def seconds_per_task() -> tuple[float, float]:
     return wall / EMPTY_TASKS, processor / EMPTY_TASKS
 
 
+def seconds_to_keep() -> float:
+    """Processor time of this process for the result of a wave of 8192 pixels that goes into a job folder."""
+    task, result = Task("waves", "", "waves-0", (), 1, 1), {"values": numpy.zeros(8192 * 3, numpy.float32)}
+    with tempfile.TemporaryDirectory() as path:
+        folder = JobFolder(Path(path))
+        started = time.process_time()
+        for _ in range(200):
+            folder.write(task, result)
+            folder.note({"stage": "render"})
+        folder.close()
+        return (time.process_time() - started) / 200
+
+
 def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None) -> dict[str, float]:
     """Medians of a picture on the cluster: seconds, and bytes in and out of a worker."""
     found = []
@@ -62,6 +79,7 @@ def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None)
         found.append(
             {
                 "seconds": time.perf_counter() - started,
+                "processor": sum(each["processor_seconds"] for each in workers),
                 "tasks": sum(stage["tasks"] for stage in stats["stages"]),
                 "in": statistics.mean(each["bytes_in"] for each in workers),
                 "out": statistics.mean(each["bytes_out"] for each in workers),
@@ -74,26 +92,29 @@ def picture(scene: Scene, options: dict[str, Any], runs: int, keep: Path | None)
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n")[0], epilog="Options of the picture follow after --."
+    )
     parser.add_argument("scene", type=Path)
     parser.add_argument("--workers", default="1,2")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--keep", type=Path)
-    parser.add_argument("option", nargs="*", help="options of the picture, after --")
-    args = parser.parse_args()
-    words = args.option
+    given = sys.argv[1:]
+    end = given.index("--") if "--" in given else len(given)
+    args, words = parser.parse_args(given[:end]), given[end + 1 :]
     options = {name[2:].replace("-", "_"): value for name, value in zip(words[::2], words[1::2], strict=True)}
     scene = Scene.load(args.scene)
     print(
-        "workers | local s | farm s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms"
+        "workers | local s | its processor s | farm s | its processor s | efficiency | tasks | in MB | out MB | set up s | peak MB | empty task ms | of it driver ms | to keep a result ms"
     )
     alone = 0.0
     for workers in map(int, args.workers.split(",")):
-        local = []
+        local, local_processor = [], []
         for _ in range(args.runs):
-            started = time.perf_counter()
+            started, processor = time.perf_counter(), time.process_time()
             scene.render(threads=workers, **options)
             local.append(time.perf_counter() - started)
+            local_processor.append(time.process_time() - processor)
         node = {"object_store_memory": 500 << 20, "include_dashboard": False, "node_ip_address": "127.0.0.1"}
         cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, **node})
         for _ in range(workers):
@@ -106,9 +127,11 @@ def main() -> None:
         cluster.shutdown()
         alone = alone or took["seconds"] * workers
         print(
-            f"{workers} | {statistics.median(local):.2f} | {took['seconds']:.2f} | {alone / workers / took['seconds']:.0%}"
+            f"{workers} | {statistics.median(local):.2f} | {statistics.median(local_processor):.2f} | {took['seconds']:.2f}"
+            f" | {took['processor']:.2f} | {alone / workers / took['seconds']:.0%}"
             f" | {took['tasks']:.0f} | {took['in'] / 1e6:.1f} | {took['out'] / 1e6:.1f} | {took['setup']:.2f}"
-            f" | {took['peak'] / 1e6:.0f} | {wall * 1e3:.2f} | {processor * 1e3:.2f}",
+            f" | {took['peak'] / 1e6:.0f} | {wall * 1e3:.2f} | {processor * 1e3:.2f}"
+            f" | {seconds_to_keep() * 1e3:.2f}",
             flush=True,
         )
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from lightmesh._native import Camera, Image, LightMesh, Scene, _option_defaults
 from lightmesh.cluster import bake, render_frames
+from lightmesh.cluster.cuts import TASKS_PER_WORKER
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
 from lightmesh.cluster.local import LocalExecutor
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError
@@ -51,21 +52,24 @@ def _run(args: argparse.Namespace) -> None:
         _say(args, f"warning: {warning}")
     job = _job(args)
     stats: dict[str, Any] = {}
+    chosen = _chosen(args, [name for name in _option_defaults() if name not in _ELSEWHERE])
     options: dict[str, Any] = {
-        **_chosen(args, [name for name in _option_defaults() if name not in _ELSEWHERE]),
+        **chosen,
         "address": args.address,
         "job": job,
         "threads": args.threads,
         "memory": args.worker_memory,
         "gather_memory": args.gather_memory,
+        "tasks_per_worker": args.tasks_per_worker,
         "progress": not args.quiet and sys.stderr.isatty(),
         "stats": stats,
         "executor": LocalExecutor(threads=args.threads) if args.here else None,
     }
     if getattr(args, "mesh", None) is not None:
-        options["mesh"] = LightMesh.load(args.mesh, scene)
+        options["mesh"] = LightMesh.load(args.mesh, scene, **chosen)
     if args.command == "bake":
-        bake(scene, cameras=_cameras(scene, args.cameras), **options).save(args.output[0])
+        cameras, region = _cameras(scene, args.cameras), args.region
+        bake(scene, cameras=cameras, region=region, **options).save(args.output[0])
         _say(args, f"wrote {args.output[0]}")
     else:
         cameras = [args.camera] if args.command == "render" else _cameras(scene, args.cameras)
@@ -116,13 +120,20 @@ def _add_files(parser: argparse.ArgumentParser, command: str) -> None:
         parser.add_argument("--exposure", metavar="EV|auto", default="auto", help="of PNG files (default: auto)")
         parser.add_argument("--half", action="store_true", help="16-bit floats in EXR files")
         parser.add_argument("--mesh", metavar="FILE", type=Path, help="light mesh to begin with, as bake writes it")
+    if command == "bake":
+        parser.add_argument(
+            "--region",
+            metavar="X,Y,Z,X,Y,Z",
+            type=_region,
+            help="least and largest corner of a box, metres, in which all mesh points are filled as well",
+        )
     if command != "render":
         parser.add_argument(
             "--cameras",
             metavar="all|NAME,NAME|FILE.json",
             default="all",
-            help="cameras of the scene by name or index, or of a file: a list of objects with eye, target and, if need be, up, "
-            "yfov and aspect, or with world_from_camera in place of the first three (default: all)",
+            help="cameras of the scene by name or index, or of a file: a list of objects with eye, target and, if need "
+            "be, up, yfov and aspect, or with world_from_camera in place of the first three (default: all)",
         )
     parser.add_argument("--stats", metavar="FILE", type=Path, help="write stages, workers and bytes as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
@@ -132,7 +143,7 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
     farm = parser.add_argument_group("farm")
     farm.add_argument(
         "--address",
-        help="of the cluster's head (default: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores alone)",
+        help="of the cluster's head (default: RAY_ADDRESS, a cluster that runs here, or a new one of this machine's cores)",
     )
     farm.add_argument(
         "--here", action="store_true", help="do the tasks in this process, one after the other, without Ray"
@@ -141,7 +152,7 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
         "--job",
         metavar="FOLDER",
         type=Path,
-        help="keeps what is done, so that the same command goes on after it was ended (default: the first output with .job)",
+        help="keeps what is done, so that the same command goes on where it was ended (default: the first output's, .job)",
     )
     farm.add_argument("--keep-job", action="store_true", help="leave that folder when all is done")
     farm.add_argument(
@@ -149,6 +160,13 @@ def _add_farm(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         type=int,
         help="cores of a worker (default: those of the smallest node that has at least half of the largest one's)",
+    )
+    farm.add_argument(
+        "--tasks-per-worker",
+        metavar="N",
+        type=int,
+        default=TASKS_PER_WORKER,
+        help="into how many tasks each stage is cut for each worker (default: 20)",
     )
     farm.add_argument(
         "--worker-memory",
@@ -213,6 +231,15 @@ def _save(args: argparse.Namespace, image: Image, file: Path) -> None:
 def _chosen(args: argparse.Namespace, names: Sequence[str]) -> dict[str, Any]:
     """Options that were given."""
     return {name: value for name in names if (value := getattr(args, name, None)) is not None}
+
+
+def _region(text: str) -> list[list[float]]:
+    numbers = [float(number) for number in text.split(",")]
+    if len(numbers) != 6:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no box: write its least and its largest corner, as in -1,0,-1,1,2,1"
+        )
+    return [numbers[:3], numbers[3:]]
 
 
 def _bytes(text: str) -> int:

@@ -38,7 +38,7 @@ class JobFolder:
         self._log: IO[str] = (path / "tasks.jsonl").open("a", encoding="utf-8")
 
     def open(self, manifest: Mapping[str, Any]) -> dict[str, Any]:
-        """Goes on with a job or begins it: the manifest of the folder, which is this one if it is new.
+        """Goes on with a job or begins it; returns the manifest of the folder, which is this one if it is new.
 
         manifest: "fingerprint" says which job it is, "what" says it in words.
         """

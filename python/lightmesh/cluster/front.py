@@ -7,6 +7,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from numpy.typing import ArrayLike
+
 from lightmesh._native import Image, LightMesh, Scene, __version__
 from lightmesh.cluster.cuts import TASKS_PER_WORKER
 from lightmesh.cluster.folder import JobFolder
@@ -36,6 +38,9 @@ class Farm:
     gather_memory: int = GATHER_BYTES
     """Bytes for gathered points that a worker keeps from one reflection to the next; those that do not fit are
     gathered for again."""
+    tasks_per_worker: int = TASKS_PER_WORKER
+    """Into how many tasks each stage is cut for each worker: more even out what they take, fewer are handed out
+    sooner."""
     progress: Progress = None
     """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as
     they are known."""
@@ -67,15 +72,24 @@ def render_frames(
 
 
 def bake(
-    scene: Scene, address: str | None = None, *, cameras: Sequence[CameraChoice] = (None,), **options: Any
+    scene: Scene,
+    address: str | None = None,
+    *,
+    cameras: Sequence[CameraChoice] = (None,),
+    region: ArrayLike | None = None,
+    **options: Any,
 ) -> LightMesh:
     """Fills a light mesh with all that pictures by these cameras read, and returns it.
 
+    region: the least and the largest corner of a box, (2, 3), metres, in which all mesh points are filled as well; by
+    this process alone, when the cameras are done.
     options: as for `render`, with a method that has a mesh.
     """
     with _plan(scene, cameras, "bake", address, options) as plan:
         plan.fill()
         plan.take_over()
+        if region is not None:
+            plan.mesh.fill(region=region)
         return plan.mesh
 
 
@@ -97,7 +111,7 @@ def _plan(
         executor = farm.executor or _ray(farm)
         ends.callback(executor.close)
         job = replace(job, threads=executor.threads)
-        tasks = TASKS_PER_WORKER * executor.workers
+        tasks = farm.tasks_per_worker * executor.workers
         folder = None
         if farm.job is not None:
             folder = JobFolder(Path(farm.job))

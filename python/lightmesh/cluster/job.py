@@ -21,6 +21,9 @@ GATHER_BYTES = 2 << 30
 #: Methods that fill no mesh.
 _WITHOUT_MESH = ("standard", "path")
 
+#: Options for which the whole picture is looked at before it is made.
+_LOOKS_AT_ALL = ("error", "refine", "graded")
+
 
 @dataclass(frozen=True)
 class Job:
@@ -33,7 +36,8 @@ class Job:
     cameras: tuple[str | int | None, ...]
     """One for each frame: its name or index in the scene."""
     options: Mapping[str, Any]
-    """Those of `Scene.render` that decide about the pictures."""
+    """Those of `Scene.render` that were given; what is not said here is the mesh's, where there is one to begin
+    with."""
     mesh: Array | None
     """The file of the light mesh that the pictures begin with, uint8; None: an empty one."""
     threads: int | None
@@ -65,7 +69,8 @@ def describe(
     mesh: LightMesh | None = None,
     gather_bytes: int = GATHER_BYTES,
 ) -> Job:
-    """The job of these pictures, for workers with a thread for each core. Cameras that are not the scene's go into a copy of it."""
+    """The job of these pictures, for workers with a thread for each core. Cameras that are not the scene's go into a
+    copy of it."""
     theirs = scene
     if any(isinstance(camera, Camera) for camera in cameras):
         theirs = Scene.from_bytes(scene.to_bytes())
@@ -90,26 +95,35 @@ class Pictures:
         self._scene = scene or Scene.from_bytes(job.scene.tobytes())
         self._cameras = job.cameras if cameras is None else cameras
         if mesh is None and job.mesh is not None:
-            mesh = mesh_from_bytes(self._scene, job.mesh)
+            mesh = mesh_from_bytes(self._scene, job.mesh, {**job.options, "threads": job.threads})
         if mesh is None and job.has_mesh:
             mesh = LightMesh(self._scene, threads=job.threads, **job.options)
         self.mesh = mesh
-        self._last: tuple[int, PictureJob] | None = None
+        self._last: tuple[int, int | None, PictureJob] | None = None
 
     def __len__(self) -> int:
         return len(self._cameras)
 
     def __getitem__(self, frame: int) -> PictureJob:
         """One of them. The mesh is ready for one at a time, so only the last that was asked for is kept."""
-        if self._last is None or self._last[0] != frame:
-            camera, job = self._cameras[frame], self.job
-            picture = PictureJob(self._scene, camera=camera, mesh=self.mesh, threads=job.threads, **job.options)
-            self._last = (frame, picture)
-        return self._last[1]
+        return self._picture(frame, None)
+
+    def sketch(self, frame: int) -> PictureJob:
+        """The same with a sample per pixel, which reads nearly the same mesh points. Itself, where all samples decide
+        about the mesh."""
+        return self._picture(frame, None if any(self.job.options.get(name) for name in _LOOKS_AT_ALL) else 1)
 
     def any(self) -> PictureJob:
         """The last one that was asked for, or the first."""
-        return self._last[1] if self._last else self[0]
+        return self._last[2] if self._last else self[0]
+
+    def _picture(self, frame: int, spp: int | None) -> PictureJob:
+        if self._last is None or self._last[:2] != (frame, spp):
+            options = {**self.job.options, **({} if spp is None else {"spp": spp})}
+            camera, threads = self._cameras[frame], self.job.threads
+            picture = PictureJob(self._scene, camera=camera, mesh=self.mesh, threads=threads, **options)
+            self._last = (frame, spp, picture)
+        return self._last[2]
 
 
 def mesh_to_bytes(mesh: LightMesh) -> Array:
@@ -120,9 +134,9 @@ def mesh_to_bytes(mesh: LightMesh) -> Array:
         return numpy.fromfile(file, dtype=numpy.uint8)
 
 
-def mesh_from_bytes(scene: Scene, data: Array) -> LightMesh:
-    """The mesh of such a file."""
+def mesh_from_bytes(scene: Scene, data: Array, options: Mapping[str, Any]) -> LightMesh:
+    """The mesh of such a file, with the file's settings where options do not say otherwise."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mesh"
         data.tofile(file)
-        return LightMesh.load(file, scene)
+        return LightMesh.load(file, scene, **options)

@@ -44,6 +44,7 @@ class Measured:
             "process": outcome.process,
             "ended": time.perf_counter() - self._started,
             "seconds": outcome.seconds,
+            "processor_seconds": outcome.processor_seconds,
             "setup_seconds": outcome.setup_seconds,
             "fetch_seconds": outcome.fetch_seconds,
             "bytes_in": outcome.bytes_in,
@@ -66,7 +67,7 @@ class Measured:
             worker = found.setdefault(key, defaultdict(float, node=key[0], process=key[1], tasks=0, peak_bytes=0))
             worker["tasks"] += 1
             worker["peak_bytes"] = max(worker["peak_bytes"], task["peak_bytes"])
-            for name in ("seconds", "setup_seconds", "fetch_seconds", "bytes_in", "bytes_out"):
+            for name in ("seconds", "processor_seconds", "setup_seconds", "fetch_seconds", "bytes_in", "bytes_out"):
                 worker[name] += task[name]
         return [dict(worker) for worker in found.values()]
 

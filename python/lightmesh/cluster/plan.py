@@ -3,7 +3,7 @@ executor's affair.
 
 For each level of the meshes (there is one, unless they are refined):
 
-1. demand: which mesh points the samples of some waves read;
+1. demand: which mesh points the samples of some waves read, those of a picture with one sample per pixel;
 2. gather: rays from some points of the indirect mesh, and which points of both meshes their hits read. Those that are
    new are gathered for in their turn, until there are none;
 3. fill: some points of the direct mesh;
@@ -68,9 +68,7 @@ class Plan:
         self._pictures, self._job, self._executor = pictures, job, executor
         self._tasks_per_stage, self._folder = tasks_per_stage, folder
         self._report = report or (lambda stage, done, total, rays: None)
-        self._frames = len(pictures)
-        self._waves = [pictures[frame].wave_count for frame in range(self._frames)]
-        self._ranges = cut_waves(self._waves, tasks_per_stage)
+        self._waves = [pictures[frame].wave_count for frame in range(len(pictures))]
         # What is known of the mesh
         self._contents: list[Shared] = []
         self._direct, self._indirect = join_bricks([]), join_bricks([])
@@ -108,7 +106,7 @@ class Plan:
 
     def pictures(self) -> Iterator[tuple[int, Image]]:
         """The frames, each as soon as it is done."""
-        queue = deque(self._wave_task("waves", *part) for part in self._ranges)
+        queue = deque(self._wave_task("waves", *part) for part in cut_waves(self._waves, self._tasks_per_stage))
         missing = dict(enumerate(self._waves))
         portions: dict[int, list[Result]] = {frame: [] for frame in missing}
         outlines: dict[int, tuple[Any, list[Result]]] = {}
@@ -140,6 +138,7 @@ class Plan:
 
     def _demand(self, level: int) -> tuple[Array, Array]:
         contents = tuple(self._contents)
+        sketches = [self._pictures.sketch(frame).wave_count for frame in range(len(self._pictures))]
         tasks = [
             Task(
                 "demand",
@@ -150,7 +149,7 @@ class Plan:
                 last - first,
                 contents,
             )
-            for frame, first, last in self._ranges
+            for frame, first, last in cut_waves(sketches, self._tasks_per_stage)
         ]
         results = [result for _, result, _ in self._finish("demand", deque(tasks))]
         direct, indirect = (join_bricks([result[mesh] for result in results]) for mesh in ("direct", "indirect"))

@@ -30,8 +30,10 @@ class Machines:
     """Of each node's network card, in and out: 10 Gbit/s."""
     latency_seconds: float = 2e-4
     """Of a message."""
-    driver_seconds: float = 1e-3
-    """Of the process that hands tasks out, for each of them; measured by tools/farm_scaling.py."""
+    driver_seconds: float = 1.7e-3
+    """Of the process that hands tasks out, for each of them and for keeping its result: docs/scaling.md."""
+    tasks_per_worker: int = TASKS_PER_WORKER
+    """Into how many a stage is cut for each worker."""
     is_tree: bool = False
     """Whether nodes pass on what is shared, so that it takes log2(nodes + 1) steps; else the first node sends it to
     each."""
@@ -90,7 +92,7 @@ def _run(
 
     ready: when each node has what it needs.
     """
-    count = int(min(TASKS_PER_WORKER * machines.nodes, stage.pieces * times))
+    count = int(min(machines.tasks_per_worker * machines.nodes, stage.pieces * times))
     seconds, sizes = stage.cut(max(1, count), times)
     free = [at + stage.setup_seconds for at in ready]
     driver = card = clock
@@ -130,12 +132,21 @@ def main() -> None:
     )
     parser.add_argument("--latency", type=float, default=Machines.latency_seconds, help="of a message, seconds")
     parser.add_argument("--driver", type=float, default=Machines.driver_seconds, help="for each task, seconds")
+    parser.add_argument("--tasks-per-worker", type=int, default=TASKS_PER_WORKER, help="of each stage")
     parser.add_argument("--tree", action="store_true", help="nodes pass on what is shared")
+    parser.add_argument(
+        "--processor",
+        action="store_true",
+        help="tasks take their processor time: for workers of one thread on a machine that was busy otherwise",
+    )
+    parser.add_argument(
+        "--fixed", type=float, default=0.0, help="of a gather or bounce task, however small, seconds (default: 0)"
+    )
     args = parser.parse_args()
-    trace = Trace.read(args.folder)
+    trace = Trace.read(args.folder, args.processor, args.fixed)
     print("nodes | seconds | efficiency | handing out | sharing | setting up")
     for nodes in map(int, args.nodes.split(",")):
-        machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tree)
+        machines = Machines(nodes, args.bandwidth, args.latency, args.driver, args.tasks_per_worker, args.tree)
         found = predict(trace, machines, args.times)
         print(
             f"{nodes:5} | {found.seconds:7.2f} | {found.efficiency:9.1%} | {found.driver_seconds:9.2f} s"

@@ -60,6 +60,8 @@ class Outcome:
     """Process id there."""
     seconds: float
     """All that the worker did for it."""
+    processor_seconds: float
+    """Of all cores, which others on the machine do not change much."""
     setup_seconds: float
     """Of these, for what other tasks of the process share: the scene, the picture's preparation, taking over the mesh;
     and for gathered points that were gone."""

@@ -61,14 +61,21 @@ class Trace:
     stages: list[Stage]
 
     @staticmethod
-    def read(folder: Path) -> "Trace":
-        """Reads a job folder. The job must have been done in one go."""
+    def read(folder: Path, by_processor: bool = False, fixed_seconds: float = 0.0) -> "Trace":
+        """Reads a job folder. The job must have been done in one go.
+
+        by_processor: take processor time for the tasks' time, where workers had one thread each on a machine that was
+        busy otherwise.
+        fixed_seconds: of a gather or bounce task, however small: what grows with the mesh and not with the task.
+        """
         stages: list[Stage] = []
         scene_bytes = 0.0
         for line in (folder / "tasks.jsonl").read_text(encoding="utf-8").splitlines():
             entry = json.loads(line)
             if "between_seconds" in entry:
                 stages.append(Stage(entry["stage"], between_seconds=entry["between_seconds"]))
+                if stages[-1].name.startswith(("gather", "bounce")):
+                    stages[-1].fixed_seconds = fixed_seconds
                 continue
             stage = stages[-1]
             if "shared_bytes" in entry:
@@ -77,8 +84,11 @@ class Trace:
             process = (entry["node"], entry["process"])
             stage.units.append(entry["units"])
             stage.pieces += entry["pieces"]
-            stage.seconds.append(entry["seconds"] - entry["setup_seconds"] - entry["fetch_seconds"])
+            seconds = entry["processor_seconds"] if by_processor else entry["seconds"]
+            shared = entry["setup_seconds"] + entry["fetch_seconds"]
+            share = min(1.0, shared / entry["seconds"]) if entry["seconds"] else 0.0
+            stage.seconds.append(seconds * (1.0 - share))
             stage.bytes_out.append(entry["bytes_out"])
-            stage.setups[process] = stage.setups.get(process, 0.0) + entry["setup_seconds"]
+            stage.setups[process] = stage.setups.get(process, 0.0) + seconds * share
             scene_bytes = scene_bytes or entry["bytes_in"]
         return Trace(scene_bytes, stages)

@@ -23,10 +23,11 @@ from lightmesh.cluster.task import Array, Outcome, Result, Shared, Task, size_of
 
 Fetch: TypeAlias = Callable[[Shared], Any]
 
+
 def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
     """Does a task in this process. fetch: brings what is shared."""
     global _process
-    started = time.perf_counter()
+    started, processor = time.perf_counter(), time.process_time()
     if _process is None or _process.id != job.id:
         # Give the memory of another job back before this one's is taken
         _process = None
@@ -40,6 +41,7 @@ def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
         node,
         os.getpid(),
         seconds=time.perf_counter() - started,
+        processor_seconds=time.process_time() - processor,
         setup_seconds=process.setup_seconds,
         fetch_seconds=process.fetch_seconds,
         bytes_in=process.bytes_in,
@@ -59,6 +61,7 @@ class _Group:
     """Gathered points."""
 
     gathering: Gathering
+    bytes: int
     levels: int = 0
     """How many of its reflections are known."""
 
@@ -76,6 +79,7 @@ class _Process:
                 raise ClusterError(f"a worker has lightmesh {__version__}, the job is of {description.version}")
             self._pictures = Pictures(description)
         self._gather_bytes = description.gather_bytes
+        self._prepared: PictureJob | None = None
         self._absorbed: set[str] = set()
         self._groups: OrderedDict[str, _Group] = OrderedDict()
 
@@ -98,7 +102,7 @@ class _Process:
         return functions[task.kind](task, *task.arguments)
 
     def _demand(self, task: Task, frame: int, first: int, last: int) -> Result:
-        direct, indirect = self._ready(task, frame).demand(first, last)
+        direct, indirect = self._ready(task, self._pictures.sketch(frame)).demand(first, last)
         return {"direct": direct, "indirect": indirect}
 
     def _gather(self, task: Task, name: str, bricks: Array) -> Result:
@@ -127,6 +131,7 @@ class _Process:
         """T_k of a group, of which T_{k-1} is known."""
         if k == 0:
             group.gathering.light()
+            group.bytes = group.gathering.bytes
             below = numpy.empty((0, 4), numpy.uint32), numpy.empty((0, 1, 3), numpy.float32)
         else:
             level = self._fetch(task.shared[k - 1])
@@ -136,16 +141,18 @@ class _Process:
         return points, values
 
     def _waves(self, task: Task, frame: int, first: int, last: int) -> Result:
-        return self._ready(task, frame).render(first, last)
+        return self._ready(task, self._pictures[frame]).render(first, last)
 
     def _outlines(self, task: Task, frame: int, first: int, last: int) -> Result:
-        return self._ready(task, frame).render(first, last, outlines=self._fetch(task.shared[0]))
+        return self._ready(task, self._pictures[frame]).render(first, last, outlines=self._fetch(task.shared[0]))
 
-    def _ready(self, task: Task, frame: int | None = None) -> PictureJob:
-        """A frame's picture, or any where it does not matter, with all that is known of the mesh."""
+    def _ready(self, task: Task, picture: PictureJob | None = None) -> PictureJob:
+        """A picture, or any where it does not matter, with all that is known of the mesh."""
         with self._setting_up():
-            picture = self._pictures.any() if frame is None else self._pictures[frame]
-            picture.prepare()
+            picture = picture or self._pictures.any()
+            if picture is not self._prepared:
+                picture.prepare()
+                self._prepared = picture
             for contents in task.contents:
                 if contents.id not in self._absorbed:
                     for part in self._fetch(contents):
@@ -157,11 +164,10 @@ class _Process:
         """Gathers for points, unless this process has. Gives others up where that takes too much memory."""
         group = self._groups.get(name)
         if group is None:
-            group = self._groups[name] = _Group(picture.gather(bricks))
+            gathering = picture.gather(bricks)
+            group = self._groups[name] = _Group(gathering, gathering.bytes)
         self._groups.move_to_end(name)
-        while (
-            len(self._groups) > 1 and sum(each.gathering.bytes for each in self._groups.values()) > self._gather_bytes
-        ):
+        while len(self._groups) > 1 and sum(each.bytes for each in self._groups.values()) > self._gather_bytes:
             self._groups.popitem(last=False)
         return group
 

@@ -79,6 +79,16 @@ def test_a_baked_mesh_has_all_that_its_cameras_read(scene: Scene) -> None:
         bake(scene, executor=LocalExecutor(2), method="standard", size=(8, 8))
 
 
+def test_a_region_is_filled_beside_what_cameras_read(scene: Scene) -> None:
+    options = OPTIONS | {"bounces": 0}
+    points = [
+        bake(scene, executor=LocalExecutor(2), region=region, **options).stats["direct"]["points_used"]
+        for region in (None, [[-0.2, 0.1, -0.2], [0.2, 0.5, 0.2]])
+    ]
+    # A box of 0.4 m with a point every 0.559 / 32 m
+    assert points[0] < points[1] <= points[0] + 24**3
+
+
 def test_a_mesh_is_used_and_filled(scene: Scene) -> None:
     mesh = LightMesh(scene, **OPTIONS)
     first = render(scene, executor=LocalExecutor(2), mesh=mesh, **OPTIONS)
