@@ -26,7 +26,7 @@ parser = argparse.ArgumentParser(description="Error against time of every method
 parser.add_argument("--out", type=Path, default=Path("examples/out"), help="folder for figures (default: examples/out)")
 parser.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
 # A notebook has arguments of its own.
-options, _ = parser.parse_known_args()
+options = parser.parse_known_args()[0]
 options.out.mkdir(parents=True, exist_ok=True)
 
 folder = Path(__file__).parent if "__file__" in globals() else Path.cwd()

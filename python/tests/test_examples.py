@@ -64,7 +64,7 @@ def test_cells_are_marked(name: str) -> None:
     cells = re.split(r"^# %%", (REPOSITORY / "examples" / f"{name}.py").read_text(encoding="utf-8"), flags=re.MULTILINE)
     assert cells[0] == "" and cells[1].startswith(" [markdown]")
     for cell in cells[1:]:
-        head, *lines = cell.strip("\n").split("\n")
+        head, *lines = cell.split("\n")
         if head.strip() == "[markdown]":
             assert all(not line or line.startswith("#") for line in lines), head
         else:

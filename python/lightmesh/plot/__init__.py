@@ -3,9 +3,9 @@
 >>> from lightmesh import plot
 >>> plot.picture(image).figure.savefig("room.png")
 
-Every function draws into the axes ``ax`` that it is given, or into those of a new figure, which a notebook shows by itself, and returns
-them. Nothing is shown or saved. Lengths are metres, illuminance is lux, weighted by the eye as units.luminance does, and the
-colours can be told apart by people who do not see red or green.
+Every function draws into the axes ``ax`` that it is given, or into those of a new figure, which a notebook shows by itself, and
+returns them. Nothing is shown or saved. Lengths are metres, illuminance is lux, weighted by the eye as units.luminance does, and
+the colours can be told apart by people who do not see red or green.
 """
 
 try:

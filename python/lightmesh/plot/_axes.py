@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
-#: Colours of lines and points, after M. Okabe and K. Ito, Color Universal Design (2008), without yellow, which is too pale for lines.
+#: Of lines and points, after M. Okabe and K. Ito, Color Universal Design (2008), without yellow, which is too pale for lines.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 
 #: Of lines and markers that stand back.

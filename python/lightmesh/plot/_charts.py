@@ -70,8 +70,8 @@ def illuminance(
     labels: tuple[str, str] = ("x (m)", "y (m)"),
     ax: Axes | None = None,
 ) -> Axes:
-    """Illuminance on a plane: false colours, and lines of equal illuminance with their lux. The title has the average, the least and the
-    uniformity U0, the least over the average, of the values given.
+    """Illuminance on a plane: false colours, and lines of equal illuminance with their lux. The title has the average, the least
+    and the uniformity U0, the least over the average, of the values given.
 
     plane_x, plane_y: where the values are, metres, (W,) and (H,), at least two each.
     lux: (H, W), lux, one row for each plane_y; NaN where nothing is to be measured, as inside of furniture.

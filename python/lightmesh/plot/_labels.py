@@ -31,8 +31,8 @@ class Labelled(NamedTuple):
 
 
 def label_directly(ax: Axes, lines: Sequence[Labelled], others: Sequence[NDArray[Any]] = ()) -> bool:
-    """Puts each name at one of its line's points, the last ones first, over no line and no other name. False, and nothing is changed,
-    where one finds no room.
+    """Puts each name at one of its line's points, the last ones first, over no line and no other name. False, and nothing is
+    changed, where one finds no room.
 
     others: lines without names, (N, 2) each, that names keep clear of too.
     """

@@ -48,8 +48,8 @@ def slice_of_mesh(
     limits: tuple[float, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """The points of a mesh near a plane, coloured by the illuminance there, lux on a scale of powers of ten; invalid ones are crosses.
-    Points are as large as their distance from each other, so finer levels show. A line is the box of the scene.
+    """The points of a mesh near a plane, coloured by the illuminance there, lux on a scale of powers of ten; invalid ones are
+    crosses. Points are as large as their distance from each other, so finer levels show. A line is the box of the scene.
 
     axis, at: the plane, across an axis at this coordinate (metres).
     thickness: of the slice, metres; None takes the spacing, so that there is one layer of points.
@@ -104,7 +104,7 @@ def slice_of_mesh(
 def point_cloud(
     mesh: LightMesh, *, light: _Light = "direct", most: int = 20_000, seed: int = 0, ax: Any = None
 ) -> Any:
-    """The points of a mesh in space: valid ones coloured by their level, invalid ones grey. Y is up and all axes have the same scale.
+    """The points of a mesh in space: valid ones coloured by their level, invalid ones grey. Y is up, all axes have one scale.
 
     light: "direct" or "indirect".
     most: more points than these are drawn by lot, with this seed; the title says so.

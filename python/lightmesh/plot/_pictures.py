@@ -35,8 +35,8 @@ def picture(image: Image, *, exposure: float | Literal["auto"] = "auto", ax: Axe
 def error_map(
     image: Image | ArrayLike, reference: Image | ArrayLike, *, limit: float | None = None, ax: Axes | None = None
 ) -> Axes:
-    """The signed relative error of each pixel's luminance, (L - L_reference) / L_reference: red where the picture is too bright, blue where
-    it is too dark. The title has the relrmse of metrics, which is over all channels, and the bias.
+    """The signed relative error of each pixel's luminance, (L - L_reference) / L_reference: red where the picture is too bright,
+    blue where it is too dark. The title has the relrmse of metrics, which is over all channels, and the bias.
 
     image, reference: images or arrays of the shape (H, W, 3), cd/m². Where the reference is darker than a hundredth of its mean,
     the error is relative to that.
