@@ -10,6 +10,7 @@ command line.
 """
 
 from lightmesh import metrics, units
+from lightmesh._measured import Measured
 from lightmesh._native import Camera, Image, Light, LightMesh, Material, Scene, __version__
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError
 
@@ -20,6 +21,7 @@ __all__ = [
     "Light",
     "LightMesh",
     "Material",
+    "Measured",
     "MemoryLimitError",
     "OptionError",
     "Scene",

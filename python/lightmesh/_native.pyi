@@ -5,6 +5,8 @@ from typing import Any, Literal, TypeAlias, TypedDict, final
 import numpy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from lightmesh._measured import Measured
+
 __all__ = [
     "Camera",
     "Gathering",
@@ -33,6 +35,7 @@ _Method: TypeAlias = Literal["mesh", "paper", "standard", "hybrid", "unbiased", 
 _Weight: TypeAlias = Literal["constant", "gaussian", "inverse", "cosine"]
 _PaperScale: TypeAlias = Literal["visibility", "constant"]
 _Progress: TypeAlias = bool | Callable[[str, int, int, int], object]
+_Floats: TypeAlias = NDArray[numpy.float32]
 _Report: TypeAlias = Callable[[str, int, int, int], object]
 _Bricks: TypeAlias = NDArray[numpy.uint64]
 _Outlines: TypeAlias = tuple[NDArray[numpy.uint8], int]
@@ -221,6 +224,36 @@ class Scene:
         mesh: LightMesh | None = None,
         progress: _Progress | None = None,
     ) -> Image: ...
+    def irradiance(
+        self,
+        positions: ArrayLike,
+        normals: ArrayLike,
+        *,
+        method: _Method = "mesh",
+        spp: int | None = None,
+        bounces: int = 3,
+        depth: int = 8,
+        falloff: str = "r2",
+        light_error: float = 0.01,
+        seed: int = 0,
+        environment: _Environment | None = None,
+        environment_strength: float = 1.0,
+        environment_rotation: float = 0.0,
+        light_samples: int = 64,
+        light_radius: float = 0.0,
+        spacing: float | str = "auto",
+        indirect_spacing: float | str = "auto",
+        gather_rays: int = 256,
+        rays: int = 4,
+        interpolation: str = "auto",
+        weight: _Weight = "constant",
+        field_falloff: str = "r2",
+        paper_scale: _PaperScale = "visibility",
+        threads: int | None = None,
+        max_memory: int | str = "4GiB",
+        mesh: LightMesh | None = None,
+        progress: _Progress | None = None,
+    ) -> _Floats: ...
 
 @final
 class LightMesh:
@@ -258,10 +291,85 @@ class LightMesh:
         threads: int | None = None,
         max_memory: int | str = "4GiB",
     ) -> LightMesh: ...
+    @staticmethod
+    def load(
+        path: _Path,
+        scene: Scene,
+        *,
+        size: _Size | None = None,
+        method: _Method | None = None,
+        spp: int | None = None,
+        time_limit: float | None = None,
+        bounces: int | None = None,
+        error: float | None = None,
+        depth: int | None = None,
+        cutoff: float = 0.001,
+        falloff: str | None = None,
+        light_error: float | None = None,
+        seed: int | None = None,
+        environment: _Environment | None = None,
+        environment_strength: float | None = None,
+        environment_rotation: float | None = None,
+        light_samples: int | None = None,
+        light_radius: float | None = None,
+        spacing: float | str | None = None,
+        indirect_spacing: float | str | None = None,
+        gather_rays: int | None = None,
+        refine: int | None = None,
+        graded: float | None = None,
+        rays: int | None = None,
+        interpolation: str | None = None,
+        weight: _Weight | None = None,
+        field_falloff: str | None = None,
+        paper_scale: _PaperScale | None = None,
+        aov: str | Sequence[str] | None = None,
+        threads: int | None = None,
+        max_memory: int | str = "4GiB",
+    ) -> LightMesh: ...
+    def save(self, path: _Path, *, progress: _Progress | None = None) -> None: ...
+    def fill(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        region: ArrayLike | None = None,
+        progress: _Progress | None = None,
+    ) -> dict[str, Any]: ...
+    def irradiance(
+        self, positions: ArrayLike, normals: ArrayLike, *, progress: _Progress | None = None
+    ) -> _Floats: ...
+    def direct(
+        self, positions: ArrayLike, normals: ArrayLike, *, progress: _Progress | None = None
+    ) -> _Floats: ...
+    def indirect(
+        self, positions: ArrayLike, normals: ArrayLike, *, progress: _Progress | None = None
+    ) -> _Floats: ...
+    def measure(
+        self, positions: ArrayLike, normals: ArrayLike, *, progress: _Progress | None = None
+    ) -> Measured: ...
     @property
     def scene(self) -> Scene: ...
     @property
     def stats(self) -> _MeshesStats: ...
+    @property
+    def spacing(self) -> float: ...
+    @property
+    def indirect_spacing(self) -> float | None: ...
+    @property
+    def points(self) -> _Floats: ...
+    @property
+    def values(self) -> _Floats: ...
+    @property
+    def valid(self) -> NDArray[numpy.bool_]: ...
+    @property
+    def levels(self) -> NDArray[numpy.uint8]: ...
+    @property
+    def indirect_points(self) -> _Floats: ...
+    @property
+    def indirect_values(self) -> _Floats: ...
+    @property
+    def indirect_valid(self) -> NDArray[numpy.bool_]: ...
+    @property
+    def indirect_levels(self) -> NDArray[numpy.uint8]: ...
 
 @final
 class Image:

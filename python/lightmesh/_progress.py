@@ -4,6 +4,10 @@ import importlib
 from typing import Any
 
 
+#: What stages count that do not count samples.
+UNITS = {"fill": " points", "save": "B"}
+
+
 class Bar:
     """A callback that shows its reports in one bar after the other, one for each stage."""
 
@@ -19,7 +23,7 @@ class Bar:
     def __call__(self, stage: str, done: int, total: int, rays: int) -> None:
         if self._bar is None or stage != self._stage:
             self.close()
-            self._bar = self._make(total=total, desc=stage, unit=" samples", unit_scale=True)
+            self._bar = self._make(total=total, desc=stage, unit=UNITS.get(stage, " samples"), unit_scale=True)
             self._stage = stage
         self._bar.set_postfix({"rays": f"{rays:.3g}"}, refresh=False)
         self._bar.update(done - self._bar.n)

@@ -13,7 +13,7 @@ use crate::args::{Cli, Command, EmitterArgs, RenderArgs};
 use crate::camera_choice::height_for;
 
 /// What the command line alone has: its files, and what it says.
-const FILES: [&str; 7] = ["output", "exposure", "half", "preview", "stats", "quiet", "help"];
+const FILES: [&str; 9] = ["output", "exposure", "half", "preview", "stats", "mesh", "save-mesh", "quiet", "help"];
 
 /// An option that programs may choose.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -182,5 +182,6 @@ mod tests {
         let default = |name| all.iter().find(|keyword| keyword.name == name).map(|keyword| keyword.default.as_deref());
         assert_eq!((default("bounces"), default("spp"), default("output")), (Some(Some("3")), Some(None), None));
         assert_eq!((default("light_error"), default("allow_outside")), (Some(Some("0.01")), Some(None)));
+        assert_eq!((default("mesh"), default("save_mesh")), (None, None));
     }
 }

@@ -32,7 +32,7 @@ pub use crate::{
     environment::{apply as apply_environment, read as read_environment},
     keywords::{Keyword, KeywordError, Keywords, keywords},
     settings::json as settings_json,
-    stats::{MeshesStats, Stats},
+    stats::{MeshesStats, Stats, WorkStats},
 };
 
 /// Name and version of the program, as picture files carry it.

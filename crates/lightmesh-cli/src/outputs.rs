@@ -7,24 +7,31 @@ use std::{
 
 use anyhow::anyhow;
 use lightmesh::Frame;
-use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
+use lightmesh_io::{
+    MeshFile,
+    output::{Format, Metadata, Precision, StagedFile, write_exr, write_png},
+    write_mesh_to,
+};
 
-use crate::{exit::Failure, interrupt};
+use crate::{args::RenderArgs, exit::Failure, interrupt};
 
-/// Where pictures and statistics go, checked before any work is done.
+/// Where pictures, statistics and the mesh go, checked before any work is done.
 #[derive(Debug)]
 pub(crate) struct Outputs {
     pictures: Vec<(PathBuf, Format)>,
     stats: Option<PathBuf>,
+    mesh: Option<PathBuf>,
 }
 
 impl Outputs {
-    /// Checks each extension, that no file is named twice, and that each can be created, `preview` too.
-    pub(crate) fn check(pictures: &[PathBuf], stats: Option<&Path>, preview: Option<&Path>) -> Result<Self, Failure> {
-        let formats = pictures.iter().map(|path| Ok((path.clone(), Format::of(path).map_err(Failure::input)?)));
-        let outputs = Self { pictures: formats.collect::<Result<_, Failure>>()?, stats: stats.map(Path::to_owned) };
-        let all: Vec<&Path> = pictures.iter().map(PathBuf::as_path).chain(stats).chain(preview).collect();
-        if let Some(path) = preview.filter(|path| !matches!(Format::of(path), Ok(Format::Png))) {
+    /// Checks each extension, that no file is named twice, and that each can be created, the preview too.
+    pub(crate) fn check(args: &RenderArgs) -> Result<Self, Failure> {
+        let RenderArgs { output, stats, save_mesh, preview, .. } = args;
+        let formats = output.iter().map(|path| Ok((path.clone(), Format::of(path).map_err(Failure::input)?)));
+        let pictures = formats.collect::<Result<_, Failure>>()?;
+        let outputs = Self { pictures, stats: stats.clone(), mesh: save_mesh.clone() };
+        let all: Vec<&PathBuf> = output.iter().chain(stats).chain(save_mesh).chain(preview).collect();
+        if let Some(path) = preview.as_deref().filter(|path| !matches!(Format::of(path), Ok(Format::Png))) {
             return Err(Failure::Input(anyhow!("{}: a preview is a .png file", path.display())));
         }
         for (i, path) in all.iter().enumerate() {
@@ -70,6 +77,12 @@ impl Outputs {
     pub(crate) fn stage_stats(&self, json: &str) -> Result<Option<StagedFile>, Failure> {
         let write = |path| stage(path, |file| io::Write::write_all(file, json.as_bytes()));
         self.stats.as_deref().map(write).transpose()
+    }
+
+    /// Writes the mesh, if there is a file for it, under a temporary name.
+    pub(crate) fn stage_mesh(&self, mesh: impl FnOnce() -> MeshFile) -> Result<Option<StagedFile>, Failure> {
+        let write = |path| stage(path, |file| write_mesh_to(file, &mesh()));
+        self.mesh.as_deref().map(write).transpose()
     }
 }
 

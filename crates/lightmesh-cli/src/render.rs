@@ -4,7 +4,10 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 use lightmesh::{Camera, Environment, LightMesh, Progress, RenderOptions, RenderStats, Scene, SceneData};
-use lightmesh_io::output::{Metadata, Precision};
+use lightmesh_io::{
+    MeshFile,
+    output::{Metadata, Precision},
+};
 
 use crate::{
     SOFTWARE,
@@ -36,9 +39,15 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if args.size.is_some() {
         check_memory(args, &options)?;
     }
-    let outputs = Outputs::check(&args.output, args.stats.as_deref(), args.preview.as_deref())?;
+    let outputs = Outputs::check(args)?;
     if !options.aovs.is_empty() && !outputs.has_exr() {
         return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
+    }
+    for (option, file) in [("mesh", &args.mesh), ("save-mesh", &args.save_mesh)] {
+        if file.is_some() && !options.method.has_mesh() {
+            let method = method_name(options.method);
+            return Err(Failure::Input(anyhow!("--{option}: --method {method} has no light mesh")));
+        }
     }
     interrupt::listen();
     if let Some(threads) = args.threads {
@@ -47,8 +56,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let bar = Bar::new(args.quiet, args.time_limit);
 
-    // Read the environment, which fails sooner, and the scene.
+    // Read the environment and the mesh, which fail sooner, and the scene.
     let asked_for = environment::read(&args.emitters, options.max_memory, warn).map_err(Failure::input)?;
+    let known = args.mesh.as_deref().map(|path| Ok((path, lightmesh_io::read_mesh(path, options.max_memory)?)));
+    let known = known.transpose().map_err(|error: lightmesh_io::Error| Failure::input(error))?;
     bar.spin("reading the scene");
     let loaded = lightmesh_io::load(&args.scene, &args.load_options()).map_err(Failure::input);
     bar.clear();
@@ -83,7 +94,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         spp: options.spp,
         camera,
     };
-    let mut mesh = LightMesh::new(&scene, &options)?;
+    let mut mesh = match known {
+        None => LightMesh::new(&scene, &options)?,
+        Some((path, file)) => file.into_mesh(path, &scene, &options).map_err(Failure::input)?,
+    };
     let mut render =
         |progress: &dyn Progress| lightmesh::render(&scene, &metadata.camera, &options, &mut mesh, progress);
     let frame = match &args.preview {
@@ -104,12 +118,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let ev = args.exposure.for_picture(&frame.image);
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
+    let mesh_file = outputs
+        .stage_mesh(|| MeshFile::new(&scene, &options, &mesh, (SOFTWARE, &metadata.method, &metadata.settings)))?;
     let stats = Stats::new(metadata.scene, &scene, &options, &frame.stats);
     let stats = stats.with_seconds(load, build, output_start.elapsed(), start.elapsed());
     let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;
     let stats_file = outputs.stage_stats(&(json + "\n"))?;
     stop_if_interrupted()?;
-    outputs::commit(pictures.into_iter().chain(stats_file))?;
+    outputs::commit(pictures.into_iter().chain(mesh_file).chain(stats_file))?;
 
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();

@@ -64,6 +64,38 @@ impl Stats {
     }
 }
 
+/// What measuring with meters took, or filling a mesh ahead: the part of [`Stats`] that has no picture in it.
+#[derive(Debug, Serialize)]
+pub struct WorkStats {
+    version: &'static str,
+    method: &'static str,
+    threads: usize,
+    /// Samples that every meter has.
+    spp: u32,
+    seconds: SecondsStats,
+    rays: RayStats,
+    mesh: MeshesStats,
+    fallbacks: FallbackStats,
+    energy_left_out: Option<f64>,
+}
+
+impl WorkStats {
+    /// Of work in the current thread pool.
+    pub fn new(options: &RenderOptions, work: &RenderStats) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            method: method_name(options.method),
+            threads: rayon::current_num_threads(),
+            spp: work.spp,
+            seconds: SecondsStats { total: work.seconds.render, ..SecondsStats::of(work) },
+            rays: work.rays.into(),
+            mesh: work.into(),
+            fallbacks: work.into(),
+            energy_left_out: work.left_out,
+        }
+    }
+}
+
 /// The picture.
 #[derive(Debug, Serialize)]
 struct ImageStats {

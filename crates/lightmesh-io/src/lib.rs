@@ -50,7 +50,7 @@ mod warnings;
 pub use environment_map::{EnvironmentMap, read_environment};
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
-pub use mesh_file::{MeshFile, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
+pub use mesh_file::{MeshFile, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh, write_mesh_to};
 pub use picture::{Encoding, Picture, read_picture};
 pub use scene_bytes::{scene_from_bytes, scene_to_bytes};
 pub use scene_file::{LoadOptions, Loaded, Units, load};

@@ -1,7 +1,10 @@
 //! Numbers from Python: anything that NumPy makes an array of, checked for its kind and shape.
 
 use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
-use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use lightmesh::Meter;
+use lightmesh::geometry::Aabb;
+use numpy::ndarray::Array2;
+use numpy::{Element, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -92,6 +95,44 @@ fn rows<const N: usize>(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f
 /// Points or vectors, (n, 3).
 pub(crate) fn vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
     Ok(rows::<3>(value, name)?.into_iter().map(Vec3::from_array).collect())
+}
+
+/// Meters: positions (n, 3), metres, and a normal for each, (n, 3), or one for all, (3,).
+pub(crate) fn meters(positions: &Bound<'_, PyAny>, normals: &Bound<'_, PyAny>) -> PyResult<Vec<Meter>> {
+    let positions = vec3s(positions, "positions")?;
+    if dimensions(normals) == Some(1) {
+        let normal = vec3(normals, "normals")?;
+        return Ok(positions.into_iter().map(|position| Meter { position, normal }).collect());
+    }
+    let normals = vec3s(normals, "normals").and_then(|vectors| match vectors.len() == positions.len() {
+        true => Ok(vectors),
+        false => {
+            let expected = format!("({}, 3) of positions or (3,)", positions.len());
+            Err(misshapen(normals.py(), "normals", &expected, &[vectors.len(), 3]))
+        }
+    })?;
+    Ok(positions.into_iter().zip(normals).map(|(position, normal)| Meter { position, normal }).collect())
+}
+
+/// A box: its least and its largest corner, (2, 3), metres.
+pub(crate) fn region(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Aabb> {
+    let corners = vec3s(value, name)?;
+    let &[min, max] = &corners[..] else {
+        return Err(misshapen(value.py(), name, "(2, 3)", &[corners.len(), 3]));
+    };
+    let bounds = Aabb { min, max };
+    if !min.is_finite() || !max.is_finite() || bounds.is_empty() {
+        return Err(error::scene(value.py(), format!("{name}: must be the least and the largest corner of a box")));
+    }
+    Ok(bounds)
+}
+
+/// RGB, as an array of its own, (n, 3).
+pub(crate) fn from_colors(py: Python<'_>, colors: Vec<Vec3>) -> PyResult<Bound<'_, PyAny>> {
+    let rows: Vec<[f32; 3]> = colors.into_iter().map(|color| color.to_array()).collect();
+    let array = Array2::from_shape_vec((rows.len(), 3), rows.into_flattened());
+    let array = array.map_err(|error| error::internal(&error.to_string()))?;
+    Ok(PyArray2::from_owned_array(py, array).into_any())
 }
 
 /// Texture coordinates, (n, 2).

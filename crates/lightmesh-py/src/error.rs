@@ -56,7 +56,10 @@ impl Raise for lightmesh::Error {
     fn raise(self, py: Python<'_>) -> PyErr {
         use lightmesh::Error;
         match self {
-            Error::InvalidScene { .. } | Error::EmptyScene => scene(py, self.to_string()),
+            Error::InvalidScene { .. }
+            | Error::EmptyScene
+            | Error::InvalidMeter { .. }
+            | Error::InvalidContents { .. } => scene(py, self.to_string()),
             Error::InvalidOption { option: name, what } => {
                 option(py, format!("{}: {}", name.replace('-', "_"), without_dashes(&what)))
             }
@@ -83,9 +86,12 @@ impl Raise for lightmesh_io::Error {
             }
             Error::IsFolder { file } => os_error(&io::Error::from_raw_os_error(EISDIR), "name a file in it", file),
             Error::OutOfMemory { .. } => memory(py, message),
-            Error::NoSuchScene { .. } | Error::PictureFormat { .. } | Error::EnvironmentFormat { .. } => {
-                option(py, message)
-            }
+            Error::Mesh { cause: lightmesh::Error::OutOfMemory { .. }, .. } => memory(py, message),
+            Error::Mesh { cause: lightmesh::Error::InvalidOption { .. }, .. }
+            | Error::OtherSettings { .. }
+            | Error::NoSuchScene { .. }
+            | Error::PictureFormat { .. }
+            | Error::EnvironmentFormat { .. } => option(py, message),
             Error::UnknownFormat { .. }
             | Error::Syntax { .. }
             | Error::Invalid { .. }
@@ -95,6 +101,8 @@ impl Raise for lightmesh_io::Error {
             | Error::DataUri { .. }
             | Error::Image { .. }
             | Error::Empty { .. }
+            | Error::OtherScene { .. }
+            | Error::Mesh { .. }
             | Error::Picture { .. } => scene(py, message),
             _ => general(py, message),
         }

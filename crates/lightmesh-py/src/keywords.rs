@@ -11,8 +11,8 @@ use pyo3::types::{PyBool, PyDict, PyString};
 use crate::arrays;
 use crate::error::{self, Raise};
 
-/// Options of reading, which a scene that is there no longer has.
-const OF_LOADING: [&str; 3] = ["units", "scene", "allow_outside"];
+/// Options of reading, which a scene that is there no longer has, and the camera, which is an argument of its own.
+const OTHERS: [&str; 4] = ["units", "scene", "allow_outside", "camera"];
 
 /// Options by name; those that are `None` are left out.
 pub(crate) type Pairs = Vec<(String, OsString)>;
@@ -30,8 +30,14 @@ pub(crate) fn option_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 
 /// What `function` was given as options of a render.
 pub(crate) fn pairs(function: &str, options: Option<&Bound<'_, PyDict>>) -> PyResult<Pairs> {
+    pairs_without(function, &[], options)
+}
+
+/// The same of a function that does not have these.
+pub(crate) fn pairs_without(function: &str, missing: &[&str], options: Option<&Bound<'_, PyDict>>) -> PyResult<Pairs> {
     let known = lightmesh_cli::keywords();
-    let is_known = |name: &str| !OF_LOADING.contains(&name) && known.iter().any(|keyword| keyword.name == name);
+    let is_other = |name: &str| OTHERS.contains(&name) || missing.contains(&name);
+    let is_known = |name: &str| !is_other(name) && known.iter().any(|keyword| keyword.name == name);
     let mut pairs = Pairs::new();
     for (name, value) in options.into_iter().flatten() {
         let name: String = name.extract()?;

@@ -1,9 +1,11 @@
 //! Meshes of light that outlive pictures.
 
-use std::sync::{Arc, Mutex};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard};
 
-use lightmesh::LightMesh;
-use lightmesh_cli::{Keywords, MeshesStats};
+use lightmesh::{LightMesh, RenderOptions};
+use lightmesh_cli::{Keywords, MeshesStats, WorkStats};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -11,10 +13,13 @@ use crate::built::Built;
 use crate::error::{self, Raise};
 use crate::image::from_json;
 use crate::keywords::{self, Pairs};
+use crate::listener::Listener;
+use crate::mesh_arrays::{Part, PyMeshArrays};
 use crate::scene::PyScene;
-use crate::work::{self, AtInterrupt};
+use crate::work::{self, AtInterrupt, locked};
+use crate::{arrays, mesh_files, meters};
 
-/// Light at points in space, computed where pictures first ask for it and kept from one to the next.
+/// Light at points in space, computed where pictures or meters first ask for it and kept from one to the next.
 ///
 /// scene: what it belongs to; when that is changed, the mesh no longer serves it.
 /// The options are those of Scene.render; the ones that decide about the mesh (method, bounces, spacings, interpolation, weight, falloffs,
@@ -23,6 +28,10 @@ use crate::work::{self, AtInterrupt};
 ///
 /// >>> mesh = LightMesh(scene, spacing="1/80")
 /// >>> pictures = [scene.render(camera=camera, mesh=mesh) for camera in scene.cameras]
+/// >>> lux = mesh.irradiance([[0, 0.85, 0]], [0, 1, 0])
+///
+/// Every method ends soon after Ctrl-C, and then the mesh keeps what it has learned. One thread at a time works with a mesh: another
+/// one gets an Error.
 #[pyclass(name = "LightMesh", module = "lightmesh", frozen)]
 pub(crate) struct PyLightMesh {
     scene: Py<PyScene>,
@@ -32,6 +41,8 @@ pub(crate) struct PyLightMesh {
     /// Keeps the scene that the mesh was made for.
     built: Arc<Built>,
     pub(crate) mesh: Arc<Mutex<LightMesh>>,
+    /// What it knew when somebody last looked at its points.
+    arrays: Mutex<Option<Py<PyMeshArrays>>>,
 }
 
 #[pymethods]
@@ -44,19 +55,138 @@ impl PyLightMesh {
     fn new(scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let py = scene.py();
         let chosen = keywords::pairs("LightMesh", options)?;
-        let keywords = keywords::parse(py, &chosen)?;
-        let options = keywords.mesh_options();
-        if !options.method.has_mesh() {
-            return Err(error::option(py, "method: standard and path have no mesh"));
+        Self::make(scene, chosen, |keywords, built| {
+            let (options, theirs) = (keywords.mesh_options(), Arc::clone(built));
+            let make = move |_: &work::Watch| LightMesh::new(&theirs.scene, &options);
+            work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?.map_err(|error| error.raise(py))
+        })
+    }
+
+    /// Reads a file that save has written: the mesh goes on where that one was.
+    ///
+    /// scene: the one that it was made for, or an equal one, loaded or lit the same way; another is a SceneError.
+    /// Options that are not given and decide about the mesh are the file's, but for an environment that is itself a file. A mesh made with
+    /// others is an OptionError, but bounces may be fewer.
+    #[staticmethod]
+    #[pyo3(
+        signature = (path, scene, **options),
+        text_signature = "(path, scene, *, size=None, method=None, spp=None, time_limit=None, bounces=None, error=None, depth=None, cutoff=0.001, falloff=None, light_error=None, seed=None, environment=None, environment_strength=None, environment_rotation=None, light_samples=None, light_radius=None, spacing=None, indirect_spacing=None, gather_rays=None, refine=None, graded=None, rays=None, interpolation=None, weight=None, field_falloff=None, paper_scale=None, aov=None, threads=None, max_memory='4GiB')"
+    )]
+    fn load(path: PathBuf, scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let py = scene.py();
+        let file = mesh_files::open(py, path, &keywords::pairs("load", options)?)?;
+        let chosen = file.chosen.clone();
+        Self::make(scene, chosen, |keywords, built| file.into_mesh(py, built, keywords))
+    }
+
+    /// Writes all that the mesh knows, and its settings: safetensors, which other programs read too. The file appears whole or not at all.
+    ///
+    /// progress: as for Scene.render, in bytes.
+    #[pyo3(signature = (path, *, progress=None))]
+    fn save(&self, py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (keywords, built) = self.own(py)?;
+        let listener = Listener::new(py, progress)?;
+        let what = (&keywords, built, Arc::clone(&self.mesh), self.scene.get().units);
+        listener.close(mesh_files::save(py, path, what, listener.callback()))
+    }
+
+    /// Evaluates points before anybody reads them: what is read later is the same, and shoots no more rays for them.
+    ///
+    /// points: (N, 3), metres: all mesh points that meters there read, whichever way they face.
+    /// region: instead of them the least and the largest corner of a box, (2, 3), metres: all mesh points in it, of both meshes; surfaces
+    /// in it read points up to a spacing further out.
+    /// progress: as for Scene.render, in mesh points.
+    ///
+    /// Returns what it took, as stats of measure.
+    #[pyo3(signature = (points=None, *, region=None, progress=None))]
+    fn fill<'py>(
+        &self,
+        py: Python<'py>,
+        points: Option<&Bound<'py, PyAny>>,
+        region: Option<&Bound<'py, PyAny>>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        enum Where {
+            Around(Vec<glam::Vec3>),
+            Box(lightmesh::geometry::Aabb),
         }
-        let revision = scene.get().revision();
-        let built = scene.get().built(py, &keywords)?;
-        let theirs = Arc::clone(&built);
-        let mesh = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, move |_| {
-            LightMesh::new(&theirs.scene, &options)
-        })?;
-        let mesh = mesh.map_err(|error| error.raise(py))?;
-        Ok(Self { scene: scene.clone().unbind(), revision, chosen, built, mesh: Arc::new(Mutex::new(mesh)) })
+        let wanted = match (points, region) {
+            (Some(points), None) => Where::Around(arrays::vec3s(points, "points")?),
+            (None, Some(region)) => Where::Box(arrays::region(region, "region")?),
+            _ => return Err(PyTypeError::new_err("fill() takes either points or region")),
+        };
+        if let Where::Around(points) = &wanted
+            && let Some(index) = points.iter().position(|point| !point.is_finite())
+        {
+            return Err(error::scene(py, format!("points: {} of index {index} is not finite", points[index])));
+        }
+        let (keywords, built) = self.own(py)?;
+        let (mesh, options) = (Arc::clone(&self.mesh), keywords.mesh_options());
+        let work = move |watch: &work::Watch| {
+            let mut mesh = lock(&mesh)?;
+            let filled = match &wanted {
+                Where::Around(points) => mesh.fill_around(&built.scene, &options, points, watch),
+                Where::Box(bounds) => mesh.fill_box(&built.scene, &options, bounds, watch),
+            };
+            Some(filled.map(|stats| WorkStats::new(&options, &stats)))
+        };
+        let listener = Listener::new(py, progress)?;
+        let filled = work::run(py, keywords.threads(), listener.callback(), AtInterrupt::Wait, work);
+        let filled = listener.close(filled)?.ok_or_else(|| error::general(py, IN_USE))?;
+        let stats = filled.map_err(|error| error.raise(py))?;
+        from_json(py, &serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?)
+    }
+
+    /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
+    ///
+    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which way they face. Each
+    /// gets what a surface in its place would get in a picture, from the hemisphere that it faces.
+    /// progress: as for Scene.render, in meters.
+    ///
+    /// What a meter reads depends on its place and direction alone, bit for bit. Meters outside Scene.bounds, where no mesh is, shoot rays
+    /// of their own. error, refine and graded follow a picture: a mesh that was made with them cannot measure, which is an OptionError.
+    #[pyo3(signature = (positions, normals, *, progress=None))]
+    fn irradiance<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.read(positions, normals, progress, None)?.irradiance(positions.py())
+    }
+
+    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh stays as it is, but for
+    /// scenes with emission that only gather rays find.
+    #[pyo3(signature = (positions, normals, *, progress=None))]
+    fn direct<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.read(positions, normals, progress, Some(0))?.direct(positions.py())
+    }
+
+    /// The part of irradiance that surfaces have reflected: (N, 3), lux per channel, float32. For both parts, measure asks once.
+    #[pyo3(signature = (positions, normals, *, progress=None))]
+    fn indirect<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.read(positions, normals, progress, None)?.indirect(positions.py())
+    }
+
+    /// Both parts of irradiance, and what measuring took: a Measured, which is a tuple (direct, indirect, stats).
+    #[pyo3(signature = (positions, normals, *, progress=None))]
+    fn measure<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.read(positions, normals, progress, None)?.into_measured(positions.py())
     }
 
     /// The scene that it belongs to.
@@ -69,12 +199,81 @@ impl PyLightMesh {
     /// points_refined, points_total, points_invalid and bytes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let stats = py.detach(|| match self.mesh.try_lock() {
-            Ok(mesh) => Some(MeshesStats::of(&mesh)),
-            Err(_) => None,
-        });
-        let stats = stats.ok_or_else(|| error::general(py, IN_USE))?;
+        let stats = self.look(py, MeshesStats::of)?;
         from_json(py, &serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?)
+    }
+
+    /// Between neighbours of the direct mesh, metres; on level l half of it l times.
+    #[getter]
+    fn spacing(&self, py: Python<'_>) -> PyResult<f64> {
+        self.look(py, |mesh| mesh.stats().spacing_m)
+    }
+
+    /// Between neighbours of the indirect mesh, metres; None where there is none.
+    #[getter]
+    fn indirect_spacing(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        self.look(py, |mesh| Some(mesh.indirect_stats().spacing_m).filter(|&spacing| spacing > 0.0))
+    }
+
+    /// Points of the direct mesh that have been evaluated: (N, 3), metres, float32. Their order means nothing, but that of values, valid
+    /// and levels is the same. Arrays of a mesh cannot be written to, and keep what they show while the mesh learns more.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::points(&self.arrays(py)?, Part::Direct)
+    }
+
+    /// What the points know of direct light, float32; NaN for points that give none (valid).
+    ///
+    /// Of method "mesh" (N, 6, 2, 3), lux: by point, for planes that face +x, -x, +y, -y, +z, -z, the irradiance that arrives, and the one
+    /// that would if nothing were in the way. Of "paper" (N, 2, 3): formula (1) of the paper, and what it is divided by.
+    /// Points of "hybrid" and "unbiased" know of each light whether they see it, and no irradiance: they have no values, which is an
+    /// OptionError; irradiance measures there.
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values = PyMeshArrays::values(&self.arrays(py)?, Part::Direct)?;
+        values.ok_or_else(|| {
+            let what = "values: with hybrid, unbiased and error points know which lights they see, and no irradiance; use irradiance()";
+            error::option(py, what)
+        })
+    }
+
+    /// Whether points of the direct mesh give light: (N,), bool; those that do not were found in solids or on surfaces.
+    #[getter]
+    fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::valid(&self.arrays(py)?, Part::Direct)
+    }
+
+    /// On which level points of the direct mesh are: (N,), uint8; 0 but with refine, graded or error.
+    #[getter]
+    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::levels(&self.arrays(py)?, Part::Direct)
+    }
+
+    /// Points of the indirect mesh that have been evaluated: (N, 3), metres, float32, as for points.
+    #[getter]
+    fn indirect_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::points(&self.arrays(py)?, Part::Indirect)
+    }
+
+    /// What they know of indirect light, after the mesh's bounces: (N, 6, 3), lux, float32: by point the irradiance on planes that face +x,
+    /// -x, +y, -y, +z, -z. Of method "paper" (N, 3): formula (4), four times the irradiance on any plane were the light even. NaN for points
+    /// that give none.
+    #[getter]
+    fn indirect_values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values = PyMeshArrays::values(&self.arrays(py)?, Part::Indirect)?;
+        values.ok_or_else(|| error::internal("indirect light has no values"))
+    }
+
+    /// Whether points of the indirect mesh give light: (N,), bool.
+    #[getter]
+    fn indirect_valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::valid(&self.arrays(py)?, Part::Indirect)
+    }
+
+    /// On which level points of the indirect mesh are: (N,), uint8.
+    #[getter]
+    fn indirect_levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        PyMeshArrays::levels(&self.arrays(py)?, Part::Indirect)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
@@ -85,10 +284,76 @@ impl PyLightMesh {
     }
 }
 
-/// What is said of a mesh that another thread renders with, or that was left in pieces.
-pub(crate) const IN_USE: &str = "mesh: another thread renders with it, or failed inside while it did";
+/// What is said of a mesh that another thread works with, or that was left in pieces.
+pub(crate) const IN_USE: &str = "mesh: another thread works with it, or failed inside while it did";
+
+/// A mesh that nobody else works with; `None`: another thread does, or failed inside while it did.
+pub(crate) fn lock(mesh: &Mutex<LightMesh>) -> Option<MutexGuard<'_, LightMesh>> {
+    mesh.try_lock().ok()
+}
 
 impl PyLightMesh {
+    /// A mesh with these options.
+    fn make(
+        scene: &Bound<'_, PyScene>,
+        chosen: Pairs,
+        mesh: impl FnOnce(&Keywords, &Arc<Built>) -> PyResult<LightMesh>,
+    ) -> PyResult<Self> {
+        let py = scene.py();
+        let keywords = keywords::parse(py, &chosen)?;
+        if !keywords.mesh_options().method.has_mesh() {
+            return Err(error::option(py, "method: standard and path have no mesh"));
+        }
+        let revision = scene.get().revision();
+        let built = scene.get().built(py, &keywords)?;
+        let mesh = Arc::new(Mutex::new(mesh(&keywords, &built)?));
+        Ok(Self { scene: scene.clone().unbind(), revision, chosen, built, mesh, arrays: Mutex::new(None) })
+    }
+
+    /// Its own options, and the scene as it knows it.
+    fn own(&self, py: Python<'_>) -> PyResult<(Keywords, Arc<Built>)> {
+        self.keywords_and_scene(self.scene.bind(py), &Pairs::new())
+    }
+
+    /// Looks at it as it is.
+    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&LightMesh) -> T + Send) -> PyResult<T> {
+        let seen = py.detach(|| lock(&self.mesh).map(|mesh| look(&mesh)));
+        seen.ok_or_else(|| error::general(py, IN_USE))
+    }
+
+    /// Measures, with fewer bounces where that is said.
+    fn read<'py>(
+        &self,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        progress: Option<&Bound<'py, PyAny>>,
+        bounces: Option<u32>,
+    ) -> PyResult<meters::Reading> {
+        let py = positions.py();
+        let meters = arrays::meters(positions, normals)?;
+        let (keywords, built) = self.own(py)?;
+        let options = keywords.mesh_options();
+        let options = RenderOptions { bounces: bounces.unwrap_or(options.bounces), ..options };
+        meters::measure(py, (built, &keywords, options), meters, Some(&self.mesh), progress)
+    }
+
+    /// What it knows, as arrays; kept until it knows more.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyMeshArrays>> {
+        let kept = locked(&self.arrays).as_ref().map(|arrays| arrays.clone_ref(py));
+        if let Some(arrays) = kept {
+            let arrays = arrays.into_bound(py);
+            let seen = arrays.get();
+            if self.look(py, |mesh| seen.is_current(mesh))? {
+                return Ok(arrays);
+            }
+        }
+        let bounces = keywords::parse(py, &self.chosen)?.mesh_options().bounces;
+        let arrays = self.look(py, |mesh| PyMeshArrays::new(mesh, bounces))?;
+        let arrays = Bound::new(py, arrays)?;
+        *locked(&self.arrays) = Some(arrays.clone().unbind());
+        Ok(arrays)
+    }
+
     /// The options of a picture with this mesh, and the scene as the mesh knows it.
     pub(crate) fn keywords_and_scene(
         &self,

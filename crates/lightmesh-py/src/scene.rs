@@ -12,7 +12,7 @@ use lightmesh_cli::{EmitterArgs, Keywords};
 use lightmesh_io::Units;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::built::{BuildError, Built, State};
 use crate::camera::PyCamera;
@@ -20,9 +20,10 @@ use crate::error::{self, Raise};
 use crate::image::PyImage;
 use crate::light::PyLight;
 use crate::light_mesh::PyLightMesh;
+use crate::listener::Listener;
 use crate::material::{self, PyMaterial};
 use crate::work::{self, AtInterrupt, locked};
-use crate::{arrays, keywords};
+use crate::{arrays, keywords, meters};
 
 /// What is rendered: surfaces, lights, an environment and cameras. Read from a file by Scene.load, or put together from arrays.
 ///
@@ -402,18 +403,39 @@ impl PyScene {
     ) -> PyResult<PyImage> {
         let (py, scene) = (slf.py(), slf.get());
         let chosen = keywords::pairs("render", options)?;
-        let (keywords, built) = match mesh {
-            Some(mesh) => mesh.get().keywords_and_scene(slf, &chosen)?,
-            None => {
-                let keywords = keywords::parse(py, &chosen)?;
-                let built = scene.built(py, &keywords)?;
-                (keywords, built)
-            }
-        };
+        let (keywords, built) = scene.keywords_and_built(slf, mesh, &chosen)?;
         let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
         let progress = Listener::new(py, progress)?;
         let result = PyImage::render(py, scene, (built, camera, keywords), mesh.map(Bound::get), progress.callback());
         progress.close(result)
+    }
+
+    /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
+    ///
+    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which way they face.
+    /// method: "standard" is exact direct light and no other; "path" is the ground truth with spp samples a meter (None: 4), their noise falls
+    /// with the root of spp; "unbiased" has noise too, and the rest read a mesh as LightMesh.irradiance does.
+    /// mesh: a LightMesh of this scene that keeps the light; options that are not given are the mesh's.
+    /// The other options are those of render, but for those of pictures; progress counts meters, with "path" samples.
+    #[pyo3(
+        signature = (positions, normals, *, mesh=None, progress=None, **options),
+        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory='4GiB', mesh=None, progress=None)"
+    )]
+    fn irradiance<'py>(
+        slf: &Bound<'py, Self>,
+        positions: &Bound<'py, PyAny>,
+        normals: &Bound<'py, PyAny>,
+        mesh: Option<&Bound<'py, PyLightMesh>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        // error, refine, graded and time_limit are known too, so that it is said why meters do not have them.
+        let chosen = keywords::pairs_without("irradiance", &["size", "aov", "cutoff"], options)?;
+        let meters = arrays::meters(positions, normals)?;
+        let (keywords, built) = slf.get().keywords_and_built(slf, mesh, &chosen)?;
+        let options = keywords.mesh_options();
+        let mesh = mesh.map(|mesh| &mesh.get().mesh);
+        meters::measure(slf.py(), (built, &keywords, options), meters, mesh, progress)?.irradiance(slf.py())
     }
 
     fn __repr__(&self) -> String {
@@ -466,6 +488,21 @@ impl PyScene {
             State::Built(built) => Ok(built),
             State::Draft(_) => self.built(py, &keywords::parse(py, &keywords::Pairs::new())?),
         }
+    }
+
+    /// The options of a picture or of meters, with a mesh or without, and the scene as they light it.
+    fn keywords_and_built(
+        &self,
+        slf: &Bound<'_, Self>,
+        mesh: Option<&Bound<'_, PyLightMesh>>,
+        chosen: &keywords::Pairs,
+    ) -> PyResult<(Keywords, Arc<Built>)> {
+        if let Some(mesh) = mesh {
+            return mesh.get().keywords_and_scene(slf, chosen);
+        }
+        let keywords = keywords::parse(slf.py(), chosen)?;
+        let built = self.built(slf.py(), &keywords)?;
+        Ok((keywords, built))
     }
 
     /// The scene ready for rays, lit as the options say.
@@ -540,43 +577,4 @@ fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Re
 
 fn transform_or_identity(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Affine3A> {
     transform.map_or(Ok(Affine3A::IDENTITY), |value| arrays::affine(value, "transform"))
-}
-
-/// Who hears of the progress.
-enum Listener<'py> {
-    Nobody,
-    Function(Bound<'py, PyAny>),
-    /// A bar, which has to be closed.
-    Bar(Bound<'py, PyAny>),
-}
-
-impl<'py> Listener<'py> {
-    fn new(py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
-        let Some(progress) = progress else { return Ok(Self::Nobody) };
-        if let Ok(wanted) = progress.cast::<PyBool>() {
-            return Ok(match wanted.is_true() {
-                true => Self::Bar(py.import("lightmesh._progress")?.getattr("Bar")?.call0()?),
-                false => Self::Nobody,
-            });
-        }
-        match progress.is_callable() {
-            true => Ok(Self::Function(progress.clone())),
-            false => Err(PyTypeError::new_err("progress: must be True or a function of (stage, done, total, rays)")),
-        }
-    }
-
-    fn callback(&self) -> Option<&Bound<'py, PyAny>> {
-        match self {
-            Self::Nobody => None,
-            Self::Function(callback) | Self::Bar(callback) => Some(callback),
-        }
-    }
-
-    fn close<T>(&self, result: PyResult<T>) -> PyResult<T> {
-        if let Self::Bar(bar) = self {
-            let closed = bar.call_method0("close");
-            return result.and_then(|result| closed.map(|_| result));
-        }
-        result
-    }
 }

@@ -3,24 +3,25 @@
 #![allow(unsafe_code)]
 
 use numpy::ndarray::{ArrayViewD, IxDyn};
-use numpy::{PyArrayDyn, PyArrayMethods};
+use numpy::{Element, PyArrayDyn, PyArrayMethods};
 use pyo3::PyClass;
 use pyo3::prelude::*;
 use pyo3::pyclass::boolean_struct::True;
 
 /// What a class keeps as long as its object lives, and never changes: it is frozen and has no interior mutability there.
-pub(crate) trait Keeps: Sync {
+pub(crate) trait Keeps<E: Element = f32>: Sync {
     /// Its values by a name of its own; `None`: there are none of that name.
-    fn values(&self, which: usize) -> Option<&[f32]>;
+    fn values(&self, which: usize) -> Option<&[E]>;
 }
 
 /// An array of this shape over what `owner` keeps as `which`, without a copy; it cannot be written to, and keeps the owner alive.
 ///
 /// # Errors
 /// If there are no such values, or not as many as the shape says.
-pub(crate) fn of<'py, T>(owner: &Bound<'py, T>, which: usize, shape: &[usize]) -> PyResult<Bound<'py, PyAny>>
+pub(crate) fn of<'py, E, T>(owner: &Bound<'py, T>, which: usize, shape: &[usize]) -> PyResult<Bound<'py, PyAny>>
 where
-    T: PyClass<Frozen = True> + Keeps,
+    E: Element,
+    T: PyClass<Frozen = True> + Keeps<E>,
 {
     let values = owner.get().values(which).unwrap_or_default();
     let view = ArrayViewD::from_shape(IxDyn(shape), values)

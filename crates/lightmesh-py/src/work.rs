@@ -36,7 +36,7 @@ pub(crate) struct Watch {
 /// How far a stage is.
 #[derive(Clone, Copy, Debug)]
 struct Report {
-    stage: Stage,
+    stage: &'static str,
     done: u64,
     total: u64,
     rays: u64,
@@ -44,13 +44,7 @@ struct Report {
 
 impl Progress for Watch {
     fn report(&self, stage: Stage, done: u64, total: u64, rays: u64) {
-        if let Some(reports) = locked(&self.reports).as_mut() {
-            let report = Report { stage, done, total, rays };
-            match reports.last_mut() {
-                Some(last) if last.stage == stage => *last = report,
-                _ => reports.push(report),
-            }
-        }
+        self.note(Report { stage: stage_name(stage), done, total, rays });
     }
 
     fn cancelled(&self) -> bool {
@@ -59,12 +53,26 @@ impl Progress for Watch {
 }
 
 impl Watch {
+    /// Reports that so many bytes of a file are written.
+    pub(crate) fn saved(&self, done: u64, total: u64) {
+        self.note(Report { stage: "save", done, total, rays: 0 });
+    }
+
+    fn note(&self, report: Report) {
+        if let Some(reports) = locked(&self.reports).as_mut() {
+            match reports.last_mut() {
+                Some(last) if last.stage == report.stage => *last = report,
+                _ => reports.push(report),
+            }
+        }
+    }
+
     /// Hands what is new to the callback, without holding the lock.
     fn pass_on(&self, callback: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let Some(callback) = callback else { return Ok(()) };
         let reports = locked(&self.reports).as_mut().map(std::mem::take).unwrap_or_default();
         for Report { stage, done, total, rays } in reports {
-            callback.call1((stage_name(stage), done, total, rays))?;
+            callback.call1((stage, done, total, rays))?;
         }
         Ok(())
     }
@@ -77,6 +85,9 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Check => "check",
         Stage::Render => "render",
         Stage::Outlines => "outlines",
+        Stage::Demand => "demand",
+        Stage::Measure => "measure",
+        Stage::Fill => "fill",
         _ => "work",
     }
 }

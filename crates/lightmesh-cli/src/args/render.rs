@@ -55,6 +55,9 @@ pub(crate) struct RenderArgs {
     /// Write seconds, rays, mesh points and memory as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) stats: Option<PathBuf>,
+    /// Write what the light mesh knows after the render to this file, for --mesh
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) save_mesh: Option<PathBuf>,
     /// Say nothing but errors
     #[arg(long, short, help_heading = "Output")]
     pub(crate) quiet: bool,
@@ -97,6 +100,10 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) emitters: EmitterArgs,
 
+    /// Go on with the light mesh in this file, which --save-mesh wrote for the same scene and the same settings of the mesh; the picture is
+    /// the same, and sooner
+    #[arg(long, value_name = "FILE", help_heading = "Light mesh")]
+    pub(crate) mesh: Option<PathBuf>,
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)
     #[arg(long, value_name = "METRES|1/K|auto", default_value = "auto", value_parser = spacing::parse, allow_hyphen_values = true, help_heading = "Light mesh")]
     spacing: Spacing,

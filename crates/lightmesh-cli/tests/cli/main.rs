@@ -5,6 +5,7 @@ mod compare;
 mod environment;
 #[cfg(unix)]
 mod interrupt;
+mod mesh_file;
 mod place;
 #[cfg(unix)]
 mod preview;

@@ -36,7 +36,7 @@ use crate::Error;
 use crate::error::one_line;
 
 pub use read::{mesh_from_bytes, read_mesh};
-pub use write::{mesh_to_bytes, write_mesh};
+pub use write::{mesh_to_bytes, write_mesh, write_mesh_to};
 
 /// What a mesh file says.
 #[derive(Clone, Debug, PartialEq)]

@@ -29,7 +29,7 @@ struct Header<'a> {
 /// If the folder is missing or not writable, or `path` is a folder.
 pub fn write_mesh(path: &Path, mesh: &MeshFile) -> Result<(), Error> {
     let mut file = StagedFile::create(path)?;
-    write(mesh, &mut file).map_err(|cause| Error::Write { file: one_line(path.display()), cause })?;
+    write_mesh_to(&mut file, mesh).map_err(|cause| Error::Write { file: one_line(path.display()), cause })?;
     file.commit()
 }
 
@@ -37,11 +37,15 @@ pub fn write_mesh(path: &Path, mesh: &MeshFile) -> Result<(), Error> {
 pub fn mesh_to_bytes(mesh: &MeshFile) -> Vec<u8> {
     let mut bytes = Vec::new();
     // A vector takes whatever is written into it.
-    let _ = write(mesh, &mut bytes);
+    let _ = write_mesh_to(&mut bytes, mesh);
     bytes
 }
 
-fn write(mesh: &MeshFile, out: &mut dyn Write) -> io::Result<()> {
+/// The same wherever bytes go, such as an [`output::StagedFile`](crate::output::StagedFile).
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_mesh_to(out: &mut dyn Write, mesh: &MeshFile) -> io::Result<()> {
     let mut tensors = to_tensors(&mesh.contents);
     // Numbers of more bytes first: then all of them are aligned.
     tensors.sort_by(|a, b| b.dtype.cmp(&a.dtype).then_with(|| a.name.cmp(&b.name)));
@@ -50,6 +54,13 @@ fn write(mesh: &MeshFile, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(&(header.len() as u64).to_le_bytes())?;
     out.write_all(&header)?;
     tensors.iter().try_for_each(|tensor| out.write_all(&tensor.bytes))
+}
+
+impl MeshFile {
+    /// What a file of it takes but for its header of a few thousand bytes.
+    pub fn array_bytes(&self) -> u64 {
+        to_tensors(&self.contents).iter().map(|tensor| tensor.bytes.len() as u64).sum()
+    }
 }
 
 fn header<'a>(mesh: &MeshFile, tensors: &'a [Tensor<'_>]) -> Header<'a> {

@@ -1,0 +1,176 @@
+//! Meshes into files and back.
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use lightmesh::LightMesh;
+use lightmesh_cli::{Keywords, SOFTWARE, method_name, settings_json};
+use lightmesh_io::output::StagedFile;
+use lightmesh_io::{Error, MeshFile, Units, write_mesh_to};
+use pyo3::prelude::*;
+
+use crate::built::Built;
+use crate::error::{self, Raise};
+use crate::keywords::{self, Pairs};
+use crate::light_mesh::{self, IN_USE};
+use crate::work::{self, AtInterrupt, Watch};
+
+/// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment that is a file is
+/// not among them: a mesh file does not say what is opened.
+const KEPT: [&str; 21] = [
+    "method",
+    "bounces",
+    "error",
+    "depth",
+    "falloff",
+    "light-error",
+    "seed",
+    "environment-strength",
+    "environment-rotation",
+    "light-samples",
+    "light-radius",
+    "spacing",
+    "indirect-spacing",
+    "gather-rays",
+    "refine",
+    "graded",
+    "rays",
+    "interpolation",
+    "weight",
+    "field-falloff",
+    "paper-scale",
+];
+
+/// Bytes that are written between two looks at whether to stop.
+const AT_ONCE: usize = 1 << 22;
+
+/// Why there is no file.
+enum SaveError {
+    MeshInUse,
+    File(Error),
+}
+
+/// Writes all that a mesh knows, whole or not at all.
+pub(crate) fn save(
+    py: Python<'_>,
+    path: PathBuf,
+    (keywords, built, mesh, units): (&Keywords, Arc<Built>, Arc<Mutex<LightMesh>>, Units),
+    callback: Option<&Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let options = keywords.mesh_options();
+    let settings = settings_json(&options, keywords.emitters(), units, "");
+    let work = move |watch: &Watch| {
+        let mut staged = StagedFile::create(&path).map_err(SaveError::File)?;
+        let file = {
+            let mesh = light_mesh::lock(&mesh).ok_or(SaveError::MeshInUse)?;
+            MeshFile::new(&built.scene, &options, &mesh, (SOFTWARE, method_name(options.method), &settings))
+        };
+        let total = file.array_bytes();
+        let mut out = Watched { out: &mut staged, watch, done: 0, total };
+        let written = write_mesh_to(&mut out, &file).and_then(|()| out.out.flush());
+        let name = || path.display().to_string();
+        written.map_err(|cause| SaveError::File(Error::Write { file: name(), cause }))?;
+        watch.saved(total, total);
+        staged.commit().map_err(SaveError::File)
+    };
+    work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?.map_err(|error| match error {
+        SaveError::MeshInUse => error::general(py, IN_USE),
+        SaveError::File(error) => error.raise(py),
+    })
+}
+
+/// Counts what is written, and ends it when it is cancelled.
+struct Watched<'a> {
+    out: &'a mut StagedFile,
+    watch: &'a Watch,
+    done: u64,
+    total: u64,
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if lightmesh::Progress::cancelled(self.watch) {
+            return Err(io::Error::other("cancelled"));
+        }
+        let written = self.out.write(&bytes[..bytes.len().min(AT_ONCE)])?;
+        self.done += written as u64;
+        // The header is not counted, but written too.
+        self.watch.saved(self.done.min(self.total), self.total);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// A file that has been read.
+pub(crate) struct Opened {
+    path: PathBuf,
+    file: MeshFile,
+    /// The settings to go on with.
+    pub(crate) chosen: Pairs,
+    /// A map that lit the scene, which the caller has to name.
+    map: Option<String>,
+}
+
+/// Reads a file; `said` is what the caller says of the settings.
+pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Opened> {
+    let max_memory = keywords::parse(py, said)?.mesh_options().max_memory;
+    let read = move |_: &Watch| {
+        let file = lightmesh_io::read_mesh(&path, max_memory);
+        file.map(|file| (path, file))
+    };
+    // Reading cannot be told to stop.
+    let (path, file) =
+        work::run(py, None, None, AtInterrupt::Abandon, read)?.map_err(|error: Error| error.raise(py))?;
+    let (kept, map) = settings(&file.settings);
+    if let Err(error) = keywords::parse(py, &kept) {
+        let what = error.value(py).to_string();
+        return Err(error::scene(py, format!("{}: settings: {what}", path.display())));
+    }
+    let map = map.filter(|_| said.iter().all(|(name, _)| name != "environment"));
+    Ok(Opened { chosen: keywords::over(&kept, said), path, file, map })
+}
+
+impl Opened {
+    /// The mesh, for the scene that it was made for.
+    pub(crate) fn into_mesh(self, py: Python<'_>, built: &Arc<Built>, keywords: &Keywords) -> PyResult<LightMesh> {
+        let (built, options) = (Arc::clone(built), keywords.mesh_options());
+        let Self { path, file, map, .. } = self;
+        let make = move |_: &Watch| file.into_mesh(&path, &built.scene, &options);
+        let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?;
+        made.map_err(|error| match (error, map) {
+            (error @ Error::OtherScene { .. }, Some(map)) => {
+                error::scene(py, format!("{error}; it was lit by {map}: say so with environment="))
+            }
+            (error, _) => error.raise(py),
+        })
+    }
+}
+
+/// The settings that a mesh goes on with, as pairs, and the environment's file.
+fn settings(json: &str) -> (Pairs, Option<String>) {
+    let settings: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
+    let text = |name: &str| match settings.get(name)? {
+        serde_json::Value::String(text) => Some(text.clone()),
+        serde_json::Value::Number(number) => Some(number.to_string()),
+        _ => None,
+    };
+    let pair = |name: &str| Some((name.replace('-', "_"), OsString::from(text(name)?)));
+    let mut pairs: Pairs = KEPT.into_iter().filter_map(pair).collect();
+    let environment = text("environment");
+    let is_map = |text: &str| {
+        Path::new(text).extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr") || e.eq_ignore_ascii_case("exr"))
+    };
+    match environment {
+        Some(text) if is_map(&text) => (pairs, Some(text)),
+        Some(text) => {
+            pairs.push(("environment".to_owned(), text.into()));
+            (pairs, None)
+        }
+        None => (pairs, None),
+    }
+}
