@@ -11,7 +11,6 @@ Array: TypeAlias = NDArray[Any]
 Result: TypeAlias = Mapping[str, Any]
 
 
-
 @dataclass(frozen=True)
 class Shared:
     """Something that many tasks need, put where all workers reach it; once, and never changed."""
