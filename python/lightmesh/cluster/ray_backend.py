@@ -100,8 +100,7 @@ class RayExecutor:
         """Gives up what has begun, and leaves the cluster, if it has been connected to here: then that ends it.
 
         Otherwise what is on its way still runs, for nobody. `ray.cancel` is not called: in Ray 2.60 it may end this
-        process, where a task is done at that moment (a check in TaskManager::CompletePendingTask fails). Seen twice in
-        a dozen.
+        process, where a task is done at that moment (a check in TaskManager::CompletePendingTask fails).
         """
         self._running.clear()
         if self._began:
