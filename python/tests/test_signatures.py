@@ -38,7 +38,9 @@ def test_signatures_have_the_options_and_defaults_of_the_command_line() -> None:
     of_loading = set(load) | {"allow_outside"}
     assert set(rust) == (set(render) | of_loading) - (OWN - {"camera"})
     assert set(mesh) == set(render) - OWN
-    for chosen in (render, mesh, load):
+    meters = defaults(Scene.irradiance)
+    assert set(render) - set(meters) == {"camera", "size", "aov", "cutoff", "time_limit", "error", "refine", "graded"}
+    for chosen in (render, mesh, load, meters):
         for name, default in chosen.items():
             assert same(default, rust.get(name)), (name, default, rust.get(name))
 
@@ -102,6 +104,12 @@ def picture(path: Path) -> Image:
     light: float = numpy.asarray(image).mean().item()
     far: float = image.aovs["depth"].max().item()
     points: int = mesh.stats["direct"]["points_used"]
+    mesh.fill(region=scene.bounds, progress=report)
+    direct, indirect, stats = mesh.measure(mesh.points[mesh.valid], (0, 1, 0))
+    lux = mesh.irradiance([[0, 1, 0]], [0, 1, 0]) - scene.irradiance([[0, 1, 0]], [0, 1, 0], method="path", spp=64)
+    print((direct + indirect - lux).mean().item(), stats["rays"], mesh.values[..., 0, :].sum(), mesh.indirect_spacing)
+    mesh.save(path.with_suffix(".safetensors"))
+    LightMesh.load(path.with_suffix(".safetensors"), scene, bounces=1)
     print(light, far, points, image.stats["seconds"], scene.bounds[0][1], scene.lights[0].color)
     image.save(path.with_suffix(".png"), exposure=-3.5)
     if lightmesh.metrics.relrmse(image, numpy.zeros((10, 10, 3))) > 0.1:

@@ -45,6 +45,7 @@ impl PyGathering {
     ///
     /// points, values: the same after k - 1 reflections, of all points that are wanted, in any order; not looked at where k is 0. Ask for 0,
     /// 1, 2 and so on.
+    #[expect(clippy::type_complexity, reason = "two arrays")]
     fn bounce<'py>(
         &self,
         k: u32,

@@ -155,7 +155,8 @@ impl PyLightMesh {
         self.read(positions, normals, progress, None)?.irradiance(positions.py())
     }
 
-    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. It asks the direct mesh alone.
+    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh stays as it is, but for
+    /// scenes with emission that only gather rays find.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn direct<'py>(
         &self,

@@ -110,7 +110,7 @@ impl Keeps<f32> for PyMeshArrays {
     /// Points and values of one mesh after the other.
     fn values(&self, which: usize) -> Option<&[f32]> {
         let mesh = self.meshes.get(which / 2)?;
-        if which % 2 == 0 { Some(&mesh.points) } else { mesh.values.as_deref() }
+        if which.is_multiple_of(2) { Some(&mesh.points) } else { mesh.values.as_deref() }
     }
 }
 

@@ -20,8 +20,8 @@ try:
     ray: Any = importlib.import_module("ray")
     _errors: Any = importlib.import_module("ray.exceptions")
     _scheduling: Any = importlib.import_module("ray.util.scheduling_strategies")
-except ImportError as error:
-    raise RayMissingError from error
+except ImportError as _missing:
+    raise RayMissingError from _missing
 
 #: How often a task is begun again after its worker died.
 RETRIES = 5

@@ -10,7 +10,6 @@ Array: TypeAlias = NDArray[Any]
 #: What a task brings: arrays, numbers and texts by name. Nobody changes them.
 Result: TypeAlias = Mapping[str, Any]
 
-Kind: TypeAlias = Literal["demand", "gather", "fill", "bounce", "waves", "outlines"]
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class Shared:
 class Task:
     """One piece of work: alone, in any order and as often as it likes, it brings the same."""
 
-    kind: Kind
+    kind: Literal["demand", "gather", "fill", "bounce", "waves", "outlines"]
     name: str
     """As people read it: "frame 3 waves 10-12"."""
     key: str

@@ -220,7 +220,9 @@ pub(super) fn light(
             sum.demand += seconds.demand;
             sum.fill_direct += seconds.fill;
             sum.shade += seconds.shade;
-            if let (Some(field), Some(marks)) = (&mut mesh.indirect, &mut marks.indirect) {
+            // A mesh for more bounces may serve none: then there is nothing to read but emission that gather rays find.
+            let further = options.bounces > 0 || scene.has_gathered_emitters();
+            if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, further) {
                 light_indirectly(field, marks, direct, blocks)?;
             }
             if !options.aovs.is_empty() {
