@@ -191,7 +191,7 @@ def plan(ax: Axes) -> None:
     ax.set(xlim=(0, WIDTH), ylim=(DEPTH, 0), facecolor="#b8b8b8")
 
 
-LINES, AXES = numpy.arange(50, 1000, 50.0), ("x (m)", "z (m)")
+LINES, AXES = (100, 150, 200, 250, 300, 400, 500, 550, 600, 650, 700), ("x (m)", "z (m)")
 figure, panels = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
 highest = max(float(numpy.nanmax(values)) for _, values in both)
 for ax, (name, values) in zip(panels, both, strict=True):

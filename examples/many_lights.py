@@ -31,7 +31,7 @@ options.out.mkdir(parents=True, exist_ok=True)
 
 folder = Path(__file__).parent if "__file__" in globals() else Path.cwd()
 scene = Scene.load(folder.parent / "scenes" / "room_100.glb")
-size = (48, 32) if options.quick else (120, 80)
+size = (36, 24) if options.quick else (120, 80)
 print(f"{len(scene.lights)} lights, {scene.triangle_count} triangles, {size[0]} x {size[1]} pixels")
 print(f"{time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores")
 
@@ -85,8 +85,8 @@ of_direct_light: Settings = {
 of_all_light: Settings = {
     "path": [{"method": "path", "spp": spp} for spp in [1, 4, 16][rungs]],
     "mesh": [{"spacing": spacing, "spp": 16, **coarse} for spacing in spacings],
-    "hybrid": [{"method": "hybrid", "spacing": spacing, "spp": 16, **coarse} for spacing in spacings[:3][rungs]],
-    "unbiased": [{"method": "unbiased", "rays": rays, "spp": 16, **coarse} for rays in [1, 4][rungs]],
+    "hybrid": [{"method": "hybrid", "spacing": spacing, "spp": 16, **coarse} for spacing in spacings[: 1 if options.quick else 3]],
+    "unbiased": [{"method": "unbiased", "rays": rays, "spp": 16, **coarse} for rays in ([1] if options.quick else [1, 4])],
 }
 if not options.quick:
     # Pilots of indirect light cost more than a small picture.
@@ -120,7 +120,8 @@ def run(settings: Settings, truth: Reference, bounces: int) -> dict[str, list[Ru
 
 print("\nDirect light, against standard")
 direct_runs = run(of_direct_light, direct, bounces=0)
-print(f"\nAll light, {bounces} reflections, against path")
+reflections = f"{bounces} reflection{'s' if bounces > 1 else ''}"
+print(f"\nAll light, {reflections}, against path")
 full_runs = run(of_all_light, full, bounces)
 
 # %% [markdown]
@@ -133,7 +134,7 @@ full_runs = run(of_all_light, full, bounces)
 figure, panels = plt.subplots(1, 2, figsize=(12, 5), layout="constrained")
 for ax, runs, truth, title in (
     (panels[0], direct_runs, direct, "Direct light"),
-    (panels[1], full_runs, full, f"All light, {bounces} reflection{'s' if bounces > 1 else ''}"),
+    (panels[1], full_runs, full, f"All light, {reflections}"),
 ):
     plot.convergence({name: ([one.seconds for one in row], [one.error for one in row]) for name, row in runs.items()}, ax=ax)
     ax.set_title(f"{title}: {len(scene.lights)} lights, noise of the reference {100 * truth.noise:.1g}%")

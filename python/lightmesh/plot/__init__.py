@@ -8,11 +8,12 @@ returns them. Nothing is shown or saved. Lengths are metres, illuminance is lux,
 the colours can be told apart by people who do not see red or green.
 """
 
-try:
-    import matplotlib as _  # noqa: F401
-except ImportError as error:
-    message = "lightmesh.plot draws with matplotlib, which is not installed: pip install 'lightmesh[plot]'"
-    raise ImportError(message, name="matplotlib") from error
+import importlib.util
+
+if importlib.util.find_spec("matplotlib") is None:
+    raise ImportError(
+        "lightmesh.plot draws with matplotlib, which is not installed: pip install 'lightmesh[plot]'", name="matplotlib"
+    )
 
 from lightmesh.plot._charts import convergence, illuminance
 from lightmesh.plot._meshes import point_cloud, slice_of_mesh

@@ -98,8 +98,9 @@ def illuminance(
     if at.size:
         lines = ax.contour(across, along, known, levels=at, colors="white", linewidths=1.1)
         lines.set_path_effects([Stroke(linewidth=2.2, foreground="#222222"), Normal()])
-        for text in ax.clabel(lines, fmt="%g lx", fontsize=9):
-            text.set_path_effects([Stroke(linewidth=2.5, foreground="#222222"), Normal()])
+        # Gaps in the lines would be of another size than the names once the figure is laid out.
+        for text in ax.clabel(lines, fmt="%g lx", fontsize=8.5, inline=False):
+            text.set_bbox({"boxstyle": "round,pad=0.15", "facecolor": "#222222", "edgecolor": "none", "alpha": 0.8})
     ax.set(xlabel=labels[0], ylabel=labels[1], aspect="equal")
     uniformity = f", $U_0$ = {least / mean:.2f}" if mean > 0 else ""
     ax.set_title(f"$E_{{av}}$ = {mean:.0f} lx, $E_{{min}}$ = {least:.0f} lx{uniformity}")

@@ -1,6 +1,6 @@
 """Where a light mesh has points, and what they know."""
 
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple
 
 import numpy
 from matplotlib.axes import Axes
@@ -13,10 +13,6 @@ from numpy.typing import NDArray
 from lightmesh import units
 from lightmesh._native import LightMesh
 from lightmesh.plot._axes import COLOURS, GREY, axes_3d_or_new, axes_or_new, colour_bar
-
-_Axis: TypeAlias = Literal["x", "y", "z"]
-_Facing: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
-_Light: TypeAlias = Literal["direct", "indirect"]
 
 #: In the order of LightMesh.values.
 FACINGS = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -39,12 +35,12 @@ class _Points(NamedTuple):
 
 def slice_of_mesh(
     mesh: LightMesh,
-    axis: _Axis = "y",
+    axis: Literal["x", "y", "z"] = "y",
     *,
     at: float,
     thickness: float | None = None,
-    light: _Light = "direct",
-    facing: _Facing = "+y",
+    light: Literal["direct", "indirect"] = "direct",
+    facing: Literal["+x", "-x", "+y", "-y", "+z", "-z"] = "+y",
     limits: tuple[float, float] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
@@ -102,7 +98,12 @@ def slice_of_mesh(
 
 
 def point_cloud(
-    mesh: LightMesh, *, light: _Light = "direct", most: int = 20_000, seed: int = 0, ax: Any = None
+    mesh: LightMesh,
+    *,
+    light: Literal["direct", "indirect"] = "direct",
+    most: int = 20_000,
+    seed: int = 0,
+    ax: Any = None,
 ) -> Any:
     """The points of a mesh in space: valid ones coloured by their level, invalid ones grey. Y is up, all axes have one scale.
 
@@ -140,7 +141,7 @@ def _scatter(ax: Any, at: NDArray[Any], colour: str, size: float, label: str) ->
         ax.scatter(at[:, 0], at[:, 2], at[:, 1], s=size, c=colour, label=label, linewidths=0, alpha=0.9)
 
 
-def _points(mesh: LightMesh, light: _Light) -> _Points:
+def _points(mesh: LightMesh, light: str) -> _Points:
     if light == "direct":
         return _Points(mesh.points, mesh.valid, mesh.levels, mesh.spacing)
     if light == "indirect":
@@ -150,7 +151,7 @@ def _points(mesh: LightMesh, light: _Light) -> _Points:
     raise ValueError(f'light: expected "direct" or "indirect", not {light!r}')
 
 
-def _lux(mesh: LightMesh, light: _Light, facing: _Facing) -> NDArray[Any]:
+def _lux(mesh: LightMesh, light: str, facing: str) -> NDArray[Any]:
     """(N,): the illuminance of a plane that faces this way at each point."""
     if facing not in FACINGS:
         raise ValueError(f"facing: expected one of {', '.join(FACINGS)}, not {facing!r}")

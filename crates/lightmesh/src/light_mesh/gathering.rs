@@ -214,6 +214,7 @@ impl IndirectField {
             points: self.points.without_points(),
             sides: self.sides,
             gather_rays: self.gather_rays,
+            depth: self.depth,
             seed: self.seed,
             levels: vec![Vec::new(); self.levels.len()],
             hit_irradiance: (0.0, 0),

@@ -27,6 +27,8 @@ pub(crate) struct IndirectField {
     pub(super) points: Points,
     pub(super) sides: Sides,
     pub(super) gather_rays: u32,
+    /// How far gather rays follow mirrors and glass.
+    pub(super) depth: u32,
     pub(super) seed: u64,
     /// T_k by level, [`Sides::count`] values a point.
     pub(super) levels: Vec<Vec<Vec4>>,
@@ -75,6 +77,7 @@ impl IndirectField {
             points: Points::new(lattices, neighbourhood),
             sides: Sides::of(options),
             gather_rays: options.gather_rays,
+            depth: options.depth,
             seed: options.seed,
             levels: vec![Vec::new(); options.bounces as usize + 1],
             hit_irradiance: (0.0, 0),
@@ -85,7 +88,7 @@ impl IndirectField {
     pub(super) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
         self.sides == Sides::of(options)
             && self.points.neighbourhood == neighbourhood
-            && (self.gather_rays, self.seed) == (options.gather_rays, options.seed)
+            && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
             && (options.bounces as usize) < self.levels.len()
     }
 

@@ -52,11 +52,13 @@ pub(crate) use unbiased_gather::Paths;
 pub use wanted::{BrickPoints, Wanted};
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
-/// neighbourhood, weights, number of levels, light error, gather rays and seed, and serve up to the bounces they were made for;
+/// neighbourhood, weights, number of levels, light error, gather rays, depth and seed, and serve up to the bounces they were made for;
 /// cameras, picture sizes and samples may change from frame to frame.
 #[derive(Debug)]
 pub struct LightMesh {
     spacings: [Spacing; 2],
+    /// What [`Spacing::Auto`] was for the indirect mesh.
+    auto_indirect: f32,
     /// Levels beyond the first that were asked for, by the distance from the eye as well; of those there may be fewer.
     finer_levels: u32,
     /// How often it has been made ready for a picture.
@@ -81,7 +83,7 @@ impl LightMesh {
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
         let neighbourhood = Neighbourhood::of(options);
-        let indirect_auto = if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT };
+        let indirect_auto = auto_indirect(options);
         let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing serves it.
@@ -111,6 +113,7 @@ impl LightMesh {
         let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
         Ok(Self {
             spacings: [options.spacing, options.indirect_spacing],
+            auto_indirect: indirect_auto,
             finer_levels: options.finer_levels(),
             preparation: 0,
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
@@ -122,6 +125,7 @@ impl LightMesh {
     pub fn serves(&self, options: &RenderOptions) -> bool {
         let neighbourhood = Neighbourhood::of(options);
         self.spacings == [options.spacing, options.indirect_spacing]
+            && (self.indirect.is_none() || self.auto_indirect == auto_indirect(options))
             && self.finer_levels == options.finer_levels()
             && self.direct.serves(options, neighbourhood)
             && self
@@ -182,6 +186,11 @@ impl LightMesh {
     pub(crate) fn marks(&self) -> LightMarks {
         LightMarks { direct: self.direct.marks(), indirect: self.indirect.as_ref().map(|field| field.points().marks()) }
     }
+}
+
+/// Cells along the longest edge by default, of the indirect mesh.
+fn auto_indirect(options: &RenderOptions) -> f32 {
+    if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT }
 }
 
 /// A lattice coordinate: every component below 2²⁹.
