@@ -1,7 +1,7 @@
 """How `lightmesh.cluster` scales on one machine: a cluster of raylets with a core each on the loopback, with 1, 2, …
 of them.
 
-    python tools/farm_scaling.py scenes/room_15.glb --workers 1,2 --keep /tmp/jobs -- --size 1280x800 --spp 16
+    python tools/farm_scaling.py scenes/room_15.glb --workers 1,2 --keep jobs -- --size 1280x800 --spp 16
 
 Prints what a task costs that does nothing; then, for each number of workers, the time of the picture beside the local
 one with as many threads, medians of --runs, and bytes that a worker gets and gives. --keep leaves a job folder for
