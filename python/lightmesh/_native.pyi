@@ -11,6 +11,7 @@ __all__ = [
     "Camera",
     "Gathering",
     "Image",
+    "Level",
     "Light",
     "LightMesh",
     "Material",
@@ -434,11 +435,16 @@ class PictureJob:
     ) -> Image: ...
 
 @final
+class Level:
+    def __new__(cls, points: NDArray[numpy.uint32], values: NDArray[numpy.float32]) -> Level: ...
+    def __len__(self) -> int: ...
+
+@final
 class Gathering:
     def wanted(self) -> tuple[_Bricks, _Bricks]: ...
     def light(self, *, progress: _Report | None = None) -> None: ...
     def bounce(
-        self, k: int, points: NDArray[numpy.uint32], values: NDArray[numpy.float32]
+        self, k: int, below: Level | None = None
     ) -> tuple[NDArray[numpy.uint32], NDArray[numpy.float32]]: ...
     def contents(self) -> NDArray[numpy.uint8]: ...
     @property

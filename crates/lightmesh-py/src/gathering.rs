@@ -12,6 +12,36 @@ use crate::picture_job::{Job, JobError};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks};
 
+/// What arrives at points of the indirect mesh after some reflections, as groups hand it to each other: to be made once for all groups of a
+/// process.
+///
+/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives them, of several groups
+/// in any order.
+#[pyclass(name = "Level", module = "lightmesh", frozen)]
+pub(crate) struct PyLevel {
+    values: Arc<LevelValues>,
+}
+
+#[pymethods]
+impl PyLevel {
+    #[new]
+    fn new(points: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let addresses = arrays::words(points, "points")?;
+        if !matches!(addresses.shape[..], [_, 4]) {
+            return Err(arrays::misshapen(points.py(), "points", "(n, 4)", &addresses.shape));
+        }
+        let numbers: Vec<u32> = addresses.values.iter().map(|&word| u32::try_from(word).unwrap_or(u32::MAX)).collect();
+        let values = arrays::floats(values, "values")?.values;
+        let level = LevelValues { points: numbers.as_chunks().0.to_vec(), values };
+        Ok(Self { values: Arc::new(LevelValues::join([&level])) })
+    }
+
+    /// How many points there are.
+    fn __len__(&self) -> usize {
+        self.values.points.len()
+    }
+}
+
 /// Points of the indirect mesh on their way: their rays are shot; then they take light where these end, and exchange it reflection after
 /// reflection. It is made by PictureJob.gather, from the same bricks always the same.
 #[pyclass(name = "Gathering", module = "lightmesh", frozen)]
@@ -43,23 +73,15 @@ impl PyGathering {
     /// What arrives at its points after k reflections or fewer: points, uint32, (n, 4), and values, float32, (n, 6, 3), lux; (n, 1, 3) with
     /// method "paper".
     ///
-    /// points, values: the same after k - 1 reflections, of all points that are wanted, in any order; not looked at where k is 0. Ask for 0,
-    /// 1, 2 and so on.
-    #[expect(clippy::type_complexity, reason = "two arrays")]
+    /// below: the same after k - 1 reflections, of all points that are wanted; not looked at where k is 0. Ask for 0, 1, 2 and so on.
+    #[pyo3(signature = (k, below=None))]
     fn bounce<'py>(
         &self,
+        py: Python<'py>,
         k: u32,
-        points: &Bound<'py, PyAny>,
-        values: &Bound<'py, PyAny>,
+        below: Option<PyRef<'py, PyLevel>>,
     ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>)> {
-        let py = points.py();
-        let addresses = arrays::words(points, "points")?;
-        if !matches!(addresses.shape[..], [_, 4]) {
-            return Err(arrays::misshapen(py, "points", "(n, 4)", &addresses.shape));
-        }
-        let numbers: Vec<u32> = addresses.values.iter().map(|&word| u32::try_from(word).unwrap_or(u32::MAX)).collect();
-        let values = arrays::floats(values, "values")?.values;
-        let below = LevelValues { points: numbers.as_chunks().0.to_vec(), values };
+        let below = below.map_or_else(Arc::default, |level| Arc::clone(&level.values));
         let level =
             self.run(py, None, move |job, gathering, _| Ok(gathering.bounce(&job.built.scene, k, &below)?))?;
         let n = level.points.len();

@@ -34,7 +34,7 @@ mod _native {
     #[pymodule_export]
     use super::camera::PyCamera;
     #[pymodule_export]
-    use super::gathering::PyGathering;
+    use super::gathering::{PyGathering, PyLevel};
     #[pymodule_export]
     use super::image::PyImage;
     #[pymodule_export]

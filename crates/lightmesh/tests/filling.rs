@@ -95,11 +95,9 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
         }
         let mut below = LevelValues::default();
         for k in 0..=options.bounces {
-            let mut level = LevelValues::default();
-            for group in groups.iter_mut().rev() {
-                level.append(&group.bounce(scene, k, &below).expect("level"));
-            }
-            below = level;
+            let reflect = |group: &mut Gathering| group.bounce(scene, k, &below).expect("level");
+            let parts: Vec<LevelValues> = groups.iter_mut().rev().map(reflect).collect();
+            below = LevelValues::join(&parts);
         }
         for group in &groups {
             let contents = group.contents(&meshes[0]).expect("all levels");

@@ -14,9 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-import numpy
-
-from lightmesh._native import Gathering, PictureJob, __version__
+from lightmesh._native import Gathering, Level, PictureJob, __version__
 from lightmesh.cluster.errors import ClusterError
 from lightmesh.cluster.job import Job, Pictures
 from lightmesh.cluster.task import Array, Outcome, Result, Shared, Task, size_of
@@ -82,6 +80,7 @@ class _Process:
         self._prepared: PictureJob | None = None
         self._absorbed: set[str] = set()
         self._groups: OrderedDict[str, _Group] = OrderedDict()
+        self._last_level: tuple[str, Level] | None = None
 
     def begin(self, fetch: Fetch) -> None:
         """Before a task."""
@@ -129,16 +128,22 @@ class _Process:
 
     def _reflect(self, group: _Group, task: Task, k: int) -> tuple[Array, Array]:
         """T_k of a group, of which T_{k-1} is known."""
+        below = None
         if k == 0:
             group.gathering.light()
             group.bytes = group.gathering.bytes
-            below = numpy.empty((0, 4), numpy.uint32), numpy.empty((0, 1, 3), numpy.float32)
         else:
-            level = self._fetch(task.shared[k - 1])
-            below = level["points"], level["values"]
-        points, values = group.gathering.bounce(k, *below)
+            below = self._level(task.shared[k - 1])
+        points, values = group.gathering.bounce(k, below)
         group.levels = max(group.levels, k + 1)
         return points, values
+
+    def _level(self, shared: Shared) -> Level:
+        """What arrives at all points after some reflections. Groups of a process ask for the same in a row."""
+        if self._last_level is None or self._last_level[0] != shared.id:
+            arrays = self._fetch(shared)
+            self._last_level = shared.id, Level(arrays["points"], arrays["values"])
+        return self._last_level[1]
 
     def _waves(self, task: Task, frame: int, first: int, last: int) -> Result:
         return self._ready(task, self._pictures[frame]).render(first, last)

@@ -10,8 +10,6 @@
 //! Points that hits read are wanted in their turn, until no new ones come up. The values are those of a mesh that one process fills, bit for
 //! bit: they depend on the points alone.
 
-use std::collections::HashMap;
-
 use glam::Vec4;
 use rayon::prelude::*;
 
@@ -44,7 +42,7 @@ pub struct Gathering {
 /// The light T_k of some points after k reflections or fewer, that of lamps left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LevelValues {
-    /// Refinement and lattice coordinates of each point.
+    /// Refinement and lattice coordinates of each point, ascending.
     pub points: Vec<[u32; 4]>,
     /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
     /// [`Method::Paper`](crate::Method::Paper) formula (4), one colour.
@@ -52,10 +50,18 @@ pub struct LevelValues {
 }
 
 impl LevelValues {
-    /// Adds other points.
-    pub fn append(&mut self, other: &Self) {
-        self.points.extend_from_slice(&other.points);
-        self.values.extend_from_slice(&other.values);
+    /// The points of several parts, which have none in common.
+    pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut all: Vec<([u32; 4], &[f32])> = Vec::new();
+        for part in parts.into_iter().filter(|part| !part.points.is_empty()) {
+            let one = part.values.len() / part.points.len();
+            all.extend(part.points.iter().copied().zip(part.values.chunks(one.max(1))));
+        }
+        all.sort_unstable_by_key(|&(point, _)| point);
+        Self {
+            points: all.iter().map(|&(point, _)| point).collect(),
+            values: all.iter().flat_map(|&(_, values)| values).copied().collect(),
+        }
     }
 }
 
@@ -159,7 +165,7 @@ impl Gathering {
         Ok(())
     }
 
-    /// T_k of its points; `below` has T_{k−1} of all the points that are wanted, in any order, and is not asked where k is 0. Ask for one
+    /// T_k of its points; `below` has T_{k−1} of all the points that are wanted, and is not asked where k is 0. Ask for one
     /// level after the other; one that is known is given again.
     ///
     /// # Errors
@@ -179,7 +185,8 @@ impl Gathering {
         }
         let own = &self.field.levels[k][..self.own * sides];
         let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
-        Ok(LevelValues { points: (0..self.own).map(|i| numbers(self.field.points().address(i))).collect(), values })
+        let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
+        Ok(LevelValues::join([&LevelValues { points, values }]))
     }
 
     /// Puts T_k of the points that others fill behind those of its own.
@@ -189,12 +196,13 @@ impl Gathering {
         if below.values.len() != below.points.len() * sides * 3 {
             return bad(format!("{} numbers are not {} colours a point", below.values.len(), sides));
         }
-        let places: HashMap<[u32; 4], usize> = below.points.iter().copied().zip(0..).collect();
         let level = &mut self.field.levels[k];
         level.truncate(self.own * sides);
         for index in self.own..self.field.points.len() {
             let point = numbers(self.field.points.address(index));
-            let Some(at) = places.get(&point) else { return bad(format!("point {point:?} is missing")) };
+            let Ok(at) = below.points.binary_search(&point) else {
+                return bad(format!("point {point:?} is missing, or points are not in order"));
+            };
             let colours = below.values[at * sides * 3..][..sides * 3].chunks_exact(3);
             level.extend(colours.map(|c| Vec4::new(c[0], c[1], c[2], 0.0)));
         }

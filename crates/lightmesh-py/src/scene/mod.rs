@@ -1,19 +1,23 @@
 //! Scenes.
 
+mod arguments;
+mod state;
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Quat, Vec3};
 use lightmesh::geometry::{Sphere, TriangleMesh};
-use lightmesh::{Camera, Environment, Instance, Light, Material, SceneData};
-use lightmesh_cli::{EmitterArgs, Keywords};
+use lightmesh::{Camera, Environment, Instance, Light};
 use lightmesh_io::Units;
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+pub(crate) use self::arguments::scene_camera;
+use self::arguments::{MaterialArg, material_index, transform_or_identity};
+use self::state::Inner;
 use crate::built::{BuildError, Built, State};
 use crate::camera::PyCamera;
 use crate::error::{self, Raise};
@@ -39,34 +43,8 @@ pub(crate) struct PyScene {
     inner: Mutex<Inner>,
 }
 
-struct Inner {
-    state: State,
-    /// What was mended when it was first made ready: later nothing is left to mend.
-    warnings: Vec<String>,
-    /// Counts changes.
-    revision: u64,
-}
-
 /// As Python has it.
 type Point = (f32, f32, f32);
-
-/// A material of the scene by its index, or a new one.
-enum MaterialArg<'py> {
-    New(Bound<'py, PyMaterial>),
-    Index(usize),
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for MaterialArg<'py> {
-    type Error = PyErr;
-
-    fn extract(value: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(material) = value.cast::<PyMaterial>() {
-            return Ok(Self::New(material.to_owned()));
-        }
-        let wrong = |_| PyTypeError::new_err("must be a Material, or the index of one that was added");
-        value.extract().map(Self::Index).map_err(wrong)
-    }
-}
 
 #[pymethods]
 impl PyScene {
@@ -445,136 +423,4 @@ impl PyScene {
         let (lights, cameras) = (data.lights.len(), data.cameras.len());
         format!("<lightmesh.Scene {:?}, {triangles} triangles, {lights} lights, {cameras} cameras>", self.name)
     }
-}
-
-impl PyScene {
-    fn with_state(
-        name: String,
-        units: Units,
-        load_time: Duration,
-        load_warnings: Vec<String>,
-        state: State,
-        warnings: Vec<String>,
-    ) -> Self {
-        let inner = Mutex::new(Inner { state, warnings, revision: 0 });
-        Self { name, units, load_time, load_warnings, inner }
-    }
-
-    /// How often it was changed.
-    pub(crate) fn revision(&self) -> u64 {
-        locked(&self.inner).revision
-    }
-
-    /// Changes the description; what was ready has to be made so again.
-    fn edit<R>(&self, change: impl FnOnce(&mut SceneData) -> R) -> R {
-        let mut inner = locked(&self.inner);
-        let state = std::mem::replace(&mut inner.state, State::Draft(Arc::default()));
-        let mut data = state.into_data();
-        let result = change(&mut data);
-        inner.state = State::Draft(Arc::new(data));
-        inner.revision += 1;
-        result
-    }
-
-    /// [`PyScene::edit`] where the change may find something wrong.
-    fn try_edit<R>(&self, py: Python<'_>, change: impl FnOnce(&mut SceneData) -> Result<R, String>) -> PyResult<R> {
-        self.edit(change).map_err(|what| error::scene(py, what))
-    }
-
-    /// The scene ready for rays, however it is lit.
-    fn ready(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
-        let state = locked(&self.inner).state.clone();
-        match state {
-            State::Built(built) => Ok(built),
-            State::Draft(_) => self.built(py, &keywords::parse(py, &keywords::Pairs::new())?),
-        }
-    }
-
-    /// The options of a picture or of meters, with a mesh or without, and the scene as they light it.
-    fn keywords_and_built(
-        &self,
-        slf: &Bound<'_, Self>,
-        mesh: Option<&Bound<'_, PyLightMesh>>,
-        chosen: &keywords::Pairs,
-    ) -> PyResult<(Keywords, Arc<Built>)> {
-        if let Some(mesh) = mesh {
-            return mesh.get().keywords_and_scene(slf, chosen);
-        }
-        let keywords = keywords::parse(slf.py(), chosen)?;
-        let built = self.built(slf.py(), &keywords)?;
-        Ok((keywords, built))
-    }
-
-    /// The scene ready for rays, lit as the options say.
-    pub(crate) fn built(&self, py: Python<'_>, keywords: &Keywords) -> PyResult<Arc<Built>> {
-        let emitters: EmitterArgs = keywords.emitters().clone();
-        let (state, revision) = {
-            let inner = locked(&self.inner);
-            (inner.state.clone(), inner.revision)
-        };
-        let state = match state {
-            State::Built(built) if built.emitters == emitters => return Ok(built),
-            other => other,
-        };
-        let max_memory = keywords.mesh_options().max_memory;
-        let work = move |_: &work::Watch| Built::new(state.into_data(), &emitters, max_memory);
-        let built = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, work)?;
-        let built = Arc::new(built.map_err(|error| error.raise(py))?);
-        let mut inner = locked(&self.inner);
-        // Another thread may have changed it meanwhile.
-        if inner.revision == revision {
-            inner.state = State::Built(Arc::clone(&built));
-            let new: Vec<String> = built.warnings.iter().filter(|w| !inner.warnings.contains(w)).cloned().collect();
-            inner.warnings.extend(new);
-        }
-        Ok(built)
-    }
-}
-
-/// Which camera takes the picture, as the command line chooses it.
-pub(crate) fn scene_camera(
-    cameras: &[Camera],
-    data: &SceneData,
-    wanted: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Camera> {
-    let wanted = match wanted {
-        None => None,
-        Some(value) => {
-            if let Ok(camera) = value.cast::<PyCamera>() {
-                return Ok(camera.get().camera.clone());
-            }
-            // A number is an index, whatever the names are.
-            if let Some(camera) = value.extract::<usize>().ok().and_then(|index| cameras.get(index)) {
-                return Ok(camera.clone());
-            }
-            Some((keywords::spell("camera", value)?, value.py()))
-        }
-    };
-    let name = wanted.as_ref().map(|(name, _)| name.to_string_lossy());
-    match (lightmesh_cli::choose_camera(data, name.as_deref()), wanted) {
-        (Ok((camera, _)), _) => Ok(camera),
-        (Err(error), Some((_, py))) => {
-            Err(error::option(py, error.to_string().replace("the file has", "the scene has")))
-        }
-        (Err(error), None) => Err(PyValueError::new_err(error.to_string())),
-    }
-}
-
-/// The index of a material, which is added if it is new.
-fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
-    match material {
-        Some(MaterialArg::New(material)) => Ok(material.get().add_to(data)),
-        Some(MaterialArg::Index(index)) if index < data.materials.len() => Ok(index),
-        Some(MaterialArg::Index(index)) => {
-            Err(format!("material: there is no {index}; the scene has {}", data.materials.len()))
-        }
-        None => {
-            data.materials.push(Material::default());
-            Ok(data.materials.len() - 1)
-        }
-    }
-}
-
-fn transform_or_identity(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Affine3A> {
-    transform.map_or(Ok(Affine3A::IDENTITY), |value| arrays::affine(value, "transform"))
 }

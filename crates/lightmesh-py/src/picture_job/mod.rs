@@ -1,24 +1,25 @@
 //! One picture of which several processes take parts.
 
+mod job;
+
 use std::ops::Range;
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use lightmesh::filling::{self, Wanted};
-use lightmesh::portions::{self, Outlines, PictureSamples, Portion, Prepared};
-use lightmesh::{Camera, Contents, Fingerprint, LightMesh, RenderOptions, RenderStats};
-use lightmesh_cli::{EmitterArgs, SOFTWARE, Stats, method_name, settings_json};
-use lightmesh_io::{MeshFile, Units};
+use lightmesh::portions::{self, Outlines, PictureSamples, Portion};
+use lightmesh::{Fingerprint, LightMesh, RenderStats};
+use lightmesh_cli::{SOFTWARE, Stats, method_name};
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::built::Built;
+pub(crate) use self::job::{Job, JobError};
 use crate::error::{self, Raise};
 use crate::gathering::PyGathering;
 use crate::image::{PyImage, from_json, metadata};
-use crate::light_mesh::{IN_USE, PyLightMesh};
+use crate::light_mesh::PyLightMesh;
 use crate::scene::{PyScene, scene_camera};
-use crate::work::{self, AtInterrupt, Watch, locked};
+use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks, keywords};
 
 /// A pair of arrays of bricks: uint64, (n, 9).
@@ -33,88 +34,6 @@ type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>);
 pub(crate) struct PyPictureJob {
     pub(crate) job: Arc<Job>,
     threads: Option<usize>,
-}
-
-/// What the work needs.
-pub(crate) struct Job {
-    name: String,
-    units: Units,
-    emitters: EmitterArgs,
-    pub(crate) built: Arc<Built>,
-    camera: Camera,
-    pub(crate) options: RenderOptions,
-    mesh: Arc<Mutex<LightMesh>>,
-    prepared: Mutex<Option<Prepared>>,
-    scene: Fingerprint,
-}
-
-/// Why a part cannot be had.
-pub(crate) enum JobError {
-    Library(lightmesh::Error),
-    File(lightmesh_io::Error),
-    /// Another thread works with it.
-    InUse,
-}
-
-impl Raise for JobError {
-    fn raise(self, py: Python<'_>) -> PyErr {
-        match self {
-            Self::Library(error) => error.raise(py),
-            Self::File(error) => error.raise(py),
-            Self::InUse => error::general(py, IN_USE),
-        }
-    }
-}
-
-impl From<lightmesh::Error> for JobError {
-    fn from(error: lightmesh::Error) -> Self {
-        Self::Library(error)
-    }
-}
-
-impl Job {
-    /// Works with the mesh.
-    pub(crate) fn with_mesh<T>(
-        &self,
-        work: impl FnOnce(&mut LightMesh) -> Result<T, lightmesh::Error>,
-    ) -> Result<T, JobError> {
-        match self.mesh.try_lock() {
-            Ok(mut mesh) => Ok(work(&mut mesh)?),
-            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
-        }
-    }
-
-    /// Works with the mesh, made ready for the picture.
-    fn with_prepared<T>(
-        &self,
-        watch: &Watch,
-        work: impl FnOnce(&mut LightMesh, &Prepared) -> Result<T, lightmesh::Error>,
-    ) -> Result<T, JobError> {
-        self.with_mesh(|mesh| {
-            let mut prepared = locked(&self.prepared);
-            let ready = match prepared.take().filter(|prepared| prepared.holds(mesh)) {
-                Some(ready) => ready,
-                None => portions::prepare(&self.built.scene, &self.camera, &self.options, mesh, watch)?,
-            };
-            work(mesh, prepared.insert(ready))
-        })
-    }
-
-    /// Contents as the bytes of a mesh file, for other processes.
-    pub(crate) fn to_bytes(&self, contents: Contents) -> Vec<u8> {
-        lightmesh_io::mesh_to_bytes(&MeshFile {
-            scene: self.scene,
-            settings_fingerprint: Fingerprint::of_settings(&self.options),
-            software: SOFTWARE.to_owned(),
-            method: method_name(self.options.method).to_owned(),
-            settings: "{}".to_owned(),
-            contents,
-        })
-    }
-
-    fn settings(&self) -> String {
-        settings_json(&self.options, &self.emitters, self.units, &self.camera.name)
-    }
 }
 
 #[pymethods]
@@ -132,14 +51,7 @@ impl PyPictureJob {
     ) -> PyResult<Self> {
         let py = scene.py();
         let chosen = keywords::pairs("PictureJob", options)?;
-        let (keywords, built) = match mesh {
-            Some(mesh) => mesh.get().keywords_and_scene(scene, &chosen)?,
-            None => {
-                let keywords = keywords::parse(py, &chosen)?;
-                let built = scene.get().built(py, &keywords)?;
-                (keywords, built)
-            }
-        };
+        let (keywords, built) = scene.get().keywords_and_built(scene, mesh, &chosen)?;
         let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
         let options = keywords.options(&camera);
         options.check_picture_memory().map_err(|error| error.raise(py))?;
