@@ -7,6 +7,9 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 
+/// Points of the direct and of the indirect mesh: uint64, (n, 9) each.
+pub(crate) type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>);
+
 /// Numbers per brick: level and index in one, then a bit per place.
 const COLUMNS: usize = 9;
 

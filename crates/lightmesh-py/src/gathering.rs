@@ -7,10 +7,14 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
+use crate::bricks::BrickArrays;
 use crate::error::{self, Raise};
 use crate::picture_job::{Job, JobError};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks};
+
+/// Points, uint32, (n, 4), and values, float32, (n, sides, 3).
+type LevelArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>);
 
 /// What arrives at points of the indirect mesh after some reflections, as groups hand it to each other: to be made once for all groups of a
 /// process.
@@ -55,8 +59,7 @@ pub(crate) struct PyGathering {
 impl PyGathering {
     /// Points of the direct and of the indirect mesh that its rays read: two arrays of bricks.
     #[pyo3(signature = ())]
-    #[expect(clippy::type_complexity, reason = "two arrays")]
-    fn wanted<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>)> {
+    fn wanted<'py>(&self, py: Python<'py>) -> PyResult<BrickArrays<'py>> {
         let wanted =
             self.run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.wanted(&job.built.scene, mesh))))?;
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
@@ -75,12 +78,7 @@ impl PyGathering {
     ///
     /// below: the same after k - 1 reflections, of all points that are wanted; not looked at where k is 0. Ask for 0, 1, 2 and so on.
     #[pyo3(signature = (k, below=None))]
-    fn bounce<'py>(
-        &self,
-        py: Python<'py>,
-        k: u32,
-        below: Option<PyRef<'py, PyLevel>>,
-    ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>)> {
+    fn bounce<'py>(&self, py: Python<'py>, k: u32, below: Option<PyRef<'py, PyLevel>>) -> PyResult<LevelArrays<'py>> {
         let below = below.map_or_else(Arc::default, |level| Arc::clone(&level.values));
         let level =
             self.run(py, None, move |job, gathering, _| Ok(gathering.bounce(&job.built.scene, k, &below)?))?;

@@ -9,11 +9,12 @@ use lightmesh::filling::{self, Wanted};
 use lightmesh::portions::{self, Outlines, PictureSamples, Portion};
 use lightmesh::{Fingerprint, LightMesh, RenderStats};
 use lightmesh_cli::{SOFTWARE, Stats, method_name};
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 pub(crate) use self::job::{Job, JobError};
+use crate::bricks::BrickArrays;
 use crate::error::{self, Raise};
 use crate::gathering::PyGathering;
 use crate::image::{PyImage, from_json, metadata};
@@ -21,9 +22,6 @@ use crate::light_mesh::PyLightMesh;
 use crate::scene::{PyScene, scene_camera};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks, keywords};
-
-/// A pair of arrays of bricks: uint64, (n, 9).
-type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>);
 
 /// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with it).
 ///
