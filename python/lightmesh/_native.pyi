@@ -21,7 +21,6 @@ __all__ = [
     "_compare",
     "_option_defaults",
     "_run_program",
-    "count_points",
     "join_bricks",
     "subtract_bricks",
 ]
@@ -453,7 +452,6 @@ class Gathering:
 
 def join_bricks(bricks: Sequence[_Bricks]) -> _Bricks: ...
 def subtract_bricks(bricks: _Bricks, others: _Bricks) -> _Bricks: ...
-def count_points(bricks: _Bricks) -> int: ...
 def _compare(
     a: Image | ArrayLike, b: Image | ArrayLike, *, linear: bool = False
 ) -> tuple[float, float, float, float | None]: ...

@@ -62,9 +62,3 @@ pub(crate) fn subtract_bricks<'py>(
     rest.remove(&others);
     to_array(bricks.py(), &rest.direct)
 }
-
-/// How many points an array of bricks has.
-#[pyfunction]
-pub(crate) fn count_points(bricks: &Bound<'_, PyAny>) -> PyResult<u64> {
-    Ok(wanted(bricks, "bricks")?.len())
-}

@@ -30,7 +30,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use super::bricks::{count_points, join_bricks, subtract_bricks};
+    use super::bricks::{join_bricks, subtract_bricks};
     #[pymodule_export]
     use super::camera::PyCamera;
     #[pymodule_export]

@@ -119,7 +119,6 @@ pub fn render(
     (prepared, samples, waves): (&Prepared, PictureSamples<'_>, Range<u64>),
     progress: &dyn Progress,
 ) -> Result<Portion, Error> {
-    check(options)?;
     prepared.check(mesh)?;
     let mut film = film_of(scene, camera, options, samples)?;
     check_waves(&film, &waves)?;
@@ -144,9 +143,10 @@ pub fn outlines(
     options: &RenderOptions,
     portions: &[Portion],
 ) -> Result<Option<Outlines>, Error> {
+    check(options)?;
     let mut film = new_film(scene, camera, options);
     let sorted = in_order(&film, portions)?;
-    if sorted.iter().any(|portion| portion.seen.is_empty()) {
+    if sorted.iter().all(|portion| portion.seen.is_empty()) {
         return Ok(None);
     }
     let mut seen = vec![0; film.pixel_count() as usize];
@@ -191,6 +191,7 @@ pub(crate) fn film_of(
     options: &RenderOptions,
     samples: PictureSamples<'_>,
 ) -> Result<Film, Error> {
+    check(options)?;
     let mut film = new_film(scene, camera, options);
     match samples {
         PictureSamples::All if scene.has_lamps() && options.method != Method::Path => film.watch_lamps(),

@@ -100,7 +100,17 @@ fn what_does_not_fit_together_is_refused() {
     assert!(message(std::slice::from_ref(&second)).contains("waves 0 to 1"));
     assert!(message(&[first.clone(), first.clone(), second.clone()]).contains("twice"));
     let foreign = Portion { values: second.values[1..].to_vec(), ..second };
-    assert!(message(&[first, foreign]).contains("another picture"));
+    assert!(message(&[first.clone(), foreign.clone()]).contains("another picture"));
+
+    // Outlines: what was seen of lamps is there for every pixel, or nowhere.
+    let seen = |parts: &[Portion]| portions::outlines(&scene, &camera, &options, parts);
+    let blind = |portion: &Portion| Portion { seen: Vec::new(), ..portion.clone() };
+    assert!(seen(&[first.clone(), foreign.clone()]).expect("outlines").is_some());
+    assert!(seen(&[first.clone(), blind(&foreign)]).is_err());
+    assert!(seen(&[blind(&first), blind(&foreign)]).expect("none").is_none());
+    let nothing = RenderOptions { spp: 0, ..options.clone() };
+    assert!(portions::outlines(&scene, &camera, &nothing, &[]).is_err());
+    assert!(portions::assemble(&scene, &camera, &nothing, &[], None).is_err());
 
     assert!(machine.take(PictureSamples::All, 2..3).is_err());
     assert!(machine.take(PictureSamples::All, 1..1).is_err());
