@@ -42,38 +42,44 @@
 
 #![forbid(unsafe_code)]
 
-mod aov;
+mod api;
 pub mod bvh;
+mod direct;
+pub mod distributed;
 mod error;
-pub mod filling;
 mod film;
 mod fingerprint;
 pub mod geometry;
 mod image;
+mod indirect;
 mod integrator;
+mod interaction;
+pub(crate) mod light;
 mod light_mesh;
-mod measure;
+mod mesh;
 pub mod metrics;
 mod options;
-pub mod portions;
 mod progress;
-mod render;
+mod sampling;
 mod scene;
 mod viewer;
+mod world;
 
-pub use aov::{Aov, Aovs, Layer};
+pub use api::{Frame, Measured, measure, render};
+pub use distributed::{fill as filling, partial_image as portions};
 pub use error::Error;
 pub use fingerprint::Fingerprint;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
-pub use light_mesh::{
-    Contents, Counts, DirectContents, DirectValues, IndirectContents, LatticeShape, LightMesh, PointContents,
+pub use interaction::Meter;
+pub use light_mesh::{Contents, Counts, DirectContents, DirectValues, IndirectContents, LightMesh, PointContents};
+pub use mesh::LatticeShape;
+pub use options::{
+    Aov, Aovs, Falloff, Interpolation, Layer, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing,
 };
-pub use measure::{Measured, Meter, measure};
-pub use options::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing};
 pub use progress::{Progress, Stage};
-pub use render::{Frame, render};
 pub use scene::{
     AlphaMode, Camera, EmitterOptions, Environment, FilmRays, Filter, ImageData, Instance, Light, Material, Projection,
-    Scene, SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, soft_environment,
+    SceneData, ShapeEntry, Texels, Texture, TextureRef, UvTransform, Wrap, soft_environment,
 };
 pub use viewer::Viewer;
+pub use world::Scene;

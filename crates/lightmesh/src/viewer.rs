@@ -3,7 +3,7 @@
 use crate::Image;
 
 /// Receives the picture so far, again and again while it improves: a window, or a file that is rewritten. Give it to a
-/// render with [`Progress::viewer`](crate::Progress::viewer).
+/// render with [`Progress::viewer`](crate::progress::Progress::viewer).
 ///
 /// First come sketches: the picture in blocks of 8 × 8 pixels, then of 4 × 4 and, from 4 samples per pixel on, of 2 × 2.
 /// They cost a sixteenth of the samples at most, and nothing of the finished picture depends on them. Then every pixel

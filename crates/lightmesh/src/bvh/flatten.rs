@@ -17,7 +17,7 @@ pub(super) fn flattened_meshes(data: &SceneData) -> Vec<bool> {
 }
 
 /// The corners of a mesh's triangles, transformed by `map`.
-pub(super) fn corners(mesh: &TriangleMesh, map: impl Fn(Vec3) -> Vec3) -> impl Iterator<Item = [Vec3; 3]> {
+pub(crate) fn corners(mesh: &TriangleMesh, map: impl Fn(Vec3) -> Vec3) -> impl Iterator<Item = [Vec3; 3]> {
     let positions: Vec<Vec3> = mesh.positions.iter().map(|&p| map(p)).collect();
     mesh.triangles.iter().map(move |t| t.map(|i| positions[i as usize]))
 }
@@ -34,7 +34,7 @@ pub(super) struct ObjectFromWorld {
 
 impl ObjectFromWorld {
     /// `None` where `world_from_object` has no inverse: what it flattens to nothing is never hit.
-    pub(super) fn new(instance: &Instance) -> Option<Self> {
+    pub(crate) fn new(instance: &Instance) -> Option<Self> {
         let Affine3A { matrix3, translation } = instance.world_from_object;
         let affine = DAffine3 { matrix3: Mat3::from(matrix3).as_dmat3(), translation: glam::DVec3::ZERO };
         let inverse: DMat3 = affine.matrix3.inverse();

@@ -7,14 +7,14 @@
 pub enum Target {
     /// A triangle of a placed mesh.
     Triangle {
-        /// Index into [`SceneData::instances`](crate::SceneData::instances).
+        /// Index into [`SceneData::instances`](crate::scene::SceneData::instances).
         instance: u32,
         /// Index into the [`triangles`](crate::geometry::TriangleMesh::triangles) of that instance's mesh.
         triangle: u32,
     },
-    /// Index into [`SceneData::spheres`](crate::SceneData::spheres).
+    /// Index into [`SceneData::spheres`](crate::scene::SceneData::spheres).
     Sphere(u32),
-    /// Index into [`SceneData::shapes`](crate::SceneData::shapes).
+    /// Index into [`SceneData::shapes`](crate::scene::SceneData::shapes).
     Shape(u32),
 }
 

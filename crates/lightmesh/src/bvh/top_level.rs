@@ -97,7 +97,7 @@ impl TopLevel {
         self.bounds
     }
 
-    pub(super) fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         (self.tree.nodes.len() * size_of::<Node>() + self.objects.len() * size_of::<Object>()) as u64
     }
 

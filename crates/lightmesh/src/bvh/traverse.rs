@@ -2,7 +2,8 @@
 
 use std::cell::Cell;
 
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8};
 use glam::Vec3;
 
 use super::node::{ChildRef, Node, WIDTH};
@@ -81,7 +82,7 @@ pub(super) struct BoxRay<S: Simd> {
 
 impl<S: Simd> BoxRay<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &Ray, bounds: &Aabb) -> Self {
+    pub(crate) fn new(simd: S, ray: &Ray, bounds: &Aabb) -> Self {
         let (o, d) = (ray.origin, ray.direction);
         let reach = (o - bounds.min).abs().max((o - bounds.max).abs()).max_element();
         let margin = Vec3::splat(reach * (1.0 / (1 << 20) as f32)).max(o.abs() * (1.0 / (1 << 22) as f32));

@@ -1,7 +1,8 @@
 //! Four triangles side by side and the watertight test: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection",
 //! JCGT 2013.
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x4};
 use glam::Vec3;
 
 use crate::geometry::Ray;
@@ -19,7 +20,7 @@ pub(super) struct TriangleBlock {
 
 impl TriangleBlock {
     /// A block of up to four (id, corners).
-    pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
+    pub(crate) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
         let mut rows = [[f32::NAN; LANES]; 10];
         for (lane, (id, corners)) in triangles.iter().enumerate() {
             for (row, x) in corners.iter().flat_map(|c| c.to_array()).enumerate() {
@@ -49,7 +50,7 @@ pub(super) struct Shear {
 
 impl Shear {
     #[inline(always)]
-    pub(super) fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
         let a = ray.direction.abs();
         let kz = if a.x >= a.y && a.x >= a.z {
@@ -142,7 +143,7 @@ pub(super) struct BlockRay<S: Simd> {
 
 impl<S: Simd> BlockRay<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &Ray) -> Self {
+    pub(crate) fn new(simd: S, ray: &Ray) -> Self {
         let shear = Shear::new(ray);
         let splat = |x: f32| f32x4::splat(simd, x);
         let ([ox, oy, oz], [sx, sy, sz]) = (shear.origin, shear.scale);

@@ -1,20 +1,28 @@
 //! The film: which samples belong to which pixel, and their sum.
 
+mod clock;
+mod layers;
 mod order;
 mod outlines;
 mod pass;
+mod passes;
 mod picture;
 mod portion;
 mod sketch;
 
 use std::ops::Range;
 
+pub(crate) use clock::Watch;
 use glam::{Vec2, Vec3};
+pub(crate) use layers::Layers;
+use order::TileOrder;
+use outlines::Outlines;
+use pass::Pass;
+pub(crate) use passes::{SumOrder, WAVE, take_samples};
+use sketch::Sketch;
 
-use self::{order::TileOrder, outlines::Outlines, pass::Pass, sketch::Sketch};
-use crate::aov::Layers;
 use crate::geometry::{Cone, Ray};
-use crate::integrator::{WAVE, film_samples, hash};
+use crate::sampling::{film_samples, hash};
 use crate::scene::FilmRays;
 use crate::{Aovs, Camera, RenderOptions};
 

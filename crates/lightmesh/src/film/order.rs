@@ -14,7 +14,7 @@ pub(super) struct TileOrder {
 
 impl TileOrder {
     /// How many pixels there are.
-    pub(super) fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         self.width as usize * self.height as usize
     }
 
@@ -29,7 +29,7 @@ impl TileOrder {
     }
 
     /// Pixel coordinates of the n-th pixel in tile order.
-    pub(super) fn place(self, n: u64) -> (u32, u32) {
+    pub(crate) fn place(self, n: u64) -> (u32, u32) {
         let band = u64::from(self.width) * u64::from(TILE);
         let top = (n / band) as u32 * TILE;
         let rows = TILE.min(self.height - top);

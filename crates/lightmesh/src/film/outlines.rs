@@ -3,8 +3,9 @@
 use glam::Vec3;
 
 use super::order::TileOrder;
-use super::{Film, Pass, cells_of_pixel};
-use crate::integrator::film_samples;
+use super::pass::Pass;
+use super::{Film, cells_of_pixel};
+use crate::sampling::film_samples;
 
 /// Bits of what the samples of a pixel saw: something that shines, something else.
 const SAW_LAMP: u8 = 1;

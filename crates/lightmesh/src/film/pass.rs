@@ -28,7 +28,7 @@ impl Pass {
 
     /// The pixels, by number, in runs of those that have equally many samples, and how many these are, counting those of
     /// earlier passes: pixels that are done, the one that is begun, the rest. Runs may be empty.
-    pub(super) fn counts(&self, pixels: u64) -> [(Range<u64>, u32); 3] {
+    pub(crate) fn counts(&self, pixels: u64) -> [(Range<u64>, u32); 3] {
         let each = self.samples_per_pixel();
         let (done, begun) = (self.done / each, (self.done % each) as u32);
         let rest = (done + u64::from(begun > 0)).min(pixels);

@@ -25,7 +25,7 @@ impl Sketch {
     }
 
     /// The sketch from what its pixels got in `sums`, which is cleared there, and from the coarser one.
-    pub(super) fn take(order: TileOrder, stride: u32, coarser: Option<&Self>, sums: &mut [Vec3]) -> Self {
+    pub(crate) fn take(order: TileOrder, stride: u32, coarser: Option<&Self>, sums: &mut [Vec3]) -> Self {
         let mut blocks = Vec::new();
         for y in (0..order.height).step_by(stride as usize) {
             for x in (0..order.width).step_by(stride as usize) {

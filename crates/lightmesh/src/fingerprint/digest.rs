@@ -10,13 +10,13 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Takes words one after the other.
 #[derive(Debug)]
-pub(super) struct Digest {
+pub(crate) struct Digest {
     lanes: [u64; 2],
 }
 
 impl Digest {
     /// Of things of this kind.
-    pub(super) fn new(kind: &str) -> Self {
+    pub(crate) fn new(kind: &str) -> Self {
         let mut digest = Self { lanes: [0, GOLDEN] };
         digest.text(kind);
         digest

@@ -105,7 +105,7 @@ fn falloff(digest: &mut Digest, falloff: Falloff) {
     }
 }
 
-fn spacing(digest: &mut Digest, spacing: Spacing) {
+pub(crate) fn spacing(digest: &mut Digest, spacing: Spacing) {
     let (kind, x) = match spacing {
         Spacing::Auto => (0, 0.0),
         Spacing::Fraction(k) => (1, k),

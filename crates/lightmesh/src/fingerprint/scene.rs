@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
-use super::{Digest, Fingerprint};
+use super::Fingerprint;
+use super::digest::Digest;
 use crate::geometry::{Aabb, Sphere, TriangleMesh};
 use crate::scene::{EmitterOptions, Filter, Texels, UvTransform, Wrap};
 use crate::{
@@ -65,7 +66,7 @@ fn sphere(d: &mut Digest, &Sphere { center, radius, material }: &Sphere) {
     d.number(material as u64);
 }
 
-fn shape(d: &mut Digest, ShapeEntry { shape, material }: &ShapeEntry) {
+pub(crate) fn shape(d: &mut Digest, ShapeEntry { shape, material }: &ShapeEntry) {
     let Aabb { min, max } = shape.bounds();
     d.floats(min.to_array());
     d.floats(max.to_array());
@@ -162,7 +163,7 @@ fn image(d: &mut Digest, ImageData { name: _, width, height, texels }: &ImageDat
     }
 }
 
-fn light(d: &mut Digest, light: &Light) {
+pub(crate) fn light(d: &mut Digest, light: &Light) {
     let range = |d: &mut Digest, range: Option<f32>| option(d, range, |d, range| d.floats([range]));
     match *light {
         Light::Point { position, intensity_cd, range: reach } => {

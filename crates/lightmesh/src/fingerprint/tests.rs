@@ -40,7 +40,7 @@ fn data() -> SceneData {
     }
 }
 
-fn of(data: SceneData) -> Fingerprint {
+pub(crate) fn of(data: SceneData) -> Fingerprint {
     Fingerprint::of_scene(&Scene::new(data).expect("scene"))
 }
 
@@ -76,7 +76,7 @@ fn whatever_changes_light_changes_the_fingerprint_of_a_scene() {
         |d| d.images[0].texels = Texels::Rgba8(Arc::new([[1, 2, 3, 255], [4, 5, 7, 255]])),
         |d| d.lights[0] = Light::Point { position: Vec3::Z, intensity_cd: Vec3::ONE, range: Some(9.0) },
         |d| d.environment = None,
-        |d| d.textures[0].wrap_t = crate::Wrap::ClampToEdge,
+        |d| d.textures[0].wrap_t = crate::scene::Wrap::ClampToEdge,
     ];
     let mut seen = std::collections::HashSet::new();
     for (i, change) in changes.into_iter().enumerate() {

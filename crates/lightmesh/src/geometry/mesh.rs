@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::Aabb;
+use super::aabb::Aabb;
 
 /// A triangle mesh in object space with one material.
 ///
@@ -24,7 +24,7 @@ pub struct TriangleMesh {
     pub uvs: [Vec<Vec2>; 2],
     /// Linear RGBA that multiplies the base colour.
     pub colors: Vec<Vec4>,
-    /// Index into [`SceneData::materials`](crate::SceneData::materials).
+    /// Index into [`SceneData::materials`](crate::scene::SceneData::materials).
     pub material: usize,
 }
 

@@ -4,11 +4,12 @@ use std::fmt::Debug;
 
 use glam::{Vec2, Vec3};
 
-use super::{Aabb, Ray};
+use super::aabb::Aabb;
+use super::ray::Ray;
 
 /// A surface of any kind that can answer "does this ray hit?" and "which way does it face?": all that the paper asks of
 /// a surface. Implement it to add a torus, a height field or a signed-distance shape to a scene
-/// ([`SceneData::shapes`](crate::SceneData::shapes)); every tracer and the light mesh then treat it like the rest.
+/// ([`SceneData::shapes`](crate::scene::SceneData::shapes)); every tracer and the light mesh then treat it like the rest.
 ///
 /// Answers must be pure: the same ray, the same answer, from any thread.
 pub trait Shape: Send + Sync + Debug {

@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Aabb, Ray};
+use super::aabb::Aabb;
+use super::ray::Ray;
 
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +13,7 @@ pub struct Sphere {
     pub center: Vec3,
     /// Radius, metres, > 0.
     pub radius: f32,
-    /// Index into [`SceneData::materials`](crate::SceneData::materials).
+    /// Index into [`SceneData::materials`](crate::scene::SceneData::materials).
     pub material: usize,
 }
 

@@ -5,22 +5,19 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::first_hits::FirstHits;
-use super::lit::LitVertices;
-use super::plan::{Indirect, Plan, Shading};
-use super::refine::LitHit;
-use super::surface::{Surface, Vertex, evaluate_seen};
 use crate::bvh::Hit;
+use crate::direct::{Indirect, LitVertices, Plan, Shading};
 use crate::film::{Film, Sample};
 use crate::geometry::{Cone, Ray};
-use crate::light_mesh::{IndirectField, IndirectReading, LightMarks, LightMesh, Marks, Sight};
+use crate::indirect::{IndirectField, IndirectReading};
+use crate::interaction::{MAX_LAYERS, Surface, Vertex, evaluate_seen};
+use crate::light_mesh::{LightMarks, LightMesh};
+use crate::mesh::{Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Aov, RenderOptions, Scene};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
 pub(super) const BLOCK: usize = 512;
-
-/// BLEND and MASK layers that a ray may pass in a row.
-pub(crate) const MAX_LAYERS: u8 = 64;
 
 /// A ray with what it carries.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +53,14 @@ pub(super) struct Block {
     /// What the camera rays met; empty where nobody asks.
     pub(super) first_hits: FirstHits,
     pub(super) next: Vec<WaveRay>,
+}
+
+/// A hit with its irradiance, lux.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LitHit {
+    pub vertex: Vertex,
+    pub direct: glam::Vec3,
+    pub indirect: glam::Vec3,
 }
 
 impl Block {

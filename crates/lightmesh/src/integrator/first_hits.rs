@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-use super::surface::{Surface, Vertex};
+use crate::direct::DirectField;
 use crate::film::Film;
-use crate::light_mesh::{DirectField, Marks, Sight};
+use crate::interaction::{Surface, Vertex};
+use crate::mesh::{Marks, Sight};
 use crate::{Aov, RenderOptions, Scene};
 
 /// A surface that a sample meets before any mirror, glass or diffuse reflection.

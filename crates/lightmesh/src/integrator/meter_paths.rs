@@ -7,8 +7,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::path::PathTracer;
-use super::sampling::{Sampler, hash, seed_of_place};
 use crate::progress::Reporter;
+use crate::sampling::{Sampler, hash, seed_of_place};
 use crate::{Error, Meter, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Samples per unit of parallel work, and samples between two visits to the results.

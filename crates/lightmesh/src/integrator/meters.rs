@@ -6,22 +6,10 @@
 use glam::Vec3;
 
 use super::block::{BLOCK, Block};
-use super::plan::{Indirect, Plan, Shading};
-use super::surface::Vertex;
 use super::wave::{BLOCKS_PER_WAVE, Lighting, RAYS, light};
+use crate::direct::{Indirect, Plan, Shading};
 use crate::progress::Reporter;
 use crate::{Error, Meter, Progress, RenderOptions, RenderStats, Scene, Stage};
-
-impl Meter {
-    /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
-    /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
-    pub(super) fn vertex(&self, scene: &Scene) -> Vertex {
-        let bounds = scene.bounds();
-        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let n = self.direction();
-        Vertex { position: self.position, n, ng: n, extent, weight: Vec3::ONE, pixel: 0 }
-    }
-}
 
 /// Direct and indirect irradiance of every meter, lux, from exact or mesh light.
 pub(crate) fn measure_waves(

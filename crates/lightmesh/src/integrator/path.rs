@@ -7,19 +7,16 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::block::MAX_LAYERS;
-use super::direct::Scratch;
+use super::emitter_sampling::{LampSampler, power_heuristic};
 use super::first_hits::FirstHits;
-use super::lamps::{LampSampler, power_heuristic};
-use super::lights_at::LightsAt;
-use super::passes::{SumOrder, take_samples};
-use super::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
-use super::surface::{Surface, Vertex, evaluate_seen};
-use super::watch::Watch;
 use crate::bvh::Hit;
-use crate::film::Film;
+use crate::direct::Scratch;
+use crate::film::{Film, SumOrder, Watch, take_samples};
 use crate::geometry::{Cone, Ray};
+use crate::interaction::{MAX_LAYERS, Surface, Vertex, evaluate_seen};
+use crate::light::LightsAt;
 use crate::progress::Reporter;
+use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
 
 /// Samples per unit of parallel work.
@@ -48,7 +45,7 @@ pub(crate) fn render_path(
 }
 
 /// Takes the samples of the film's pass.
-pub(super) fn trace_pass(
+pub(crate) fn trace_pass(
     scene: &Scene,
     options: &RenderOptions,
     film: &mut Film,
@@ -193,7 +190,7 @@ fn part(bounces: u32, arrival: Arrival) -> Aov {
 }
 
 impl<'a> PathTracer<'a> {
-    pub(super) fn new(scene: &'a Scene, options: &'a RenderOptions) -> Self {
+    pub(crate) fn new(scene: &'a Scene, options: &'a RenderOptions) -> Self {
         Self {
             scene,
             options,

@@ -4,17 +4,16 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::accuracy::choose_plan;
-use super::block::{BLOCK, Block, WaveRay};
-use super::graded::grade;
-use super::lit::{DirectLighting, LitVertices};
-use super::passes::{SumOrder, WAVE, take_samples};
-use super::plan::{Indirect, Plan};
-use super::refine::{LitHit, refine};
-use super::surface::Vertex;
-use super::watch::Watch;
-use crate::film::Film;
-use crate::light_mesh::{IndirectField, LightMarks, LightMesh, Marks, Paths, Sight};
+use super::adaptive::distance_levels::grade;
+use super::adaptive::error_bound::choose_plan;
+use super::adaptive::refine::refine;
+use super::block::{BLOCK, Block, LitHit, WaveRay};
+use crate::direct::{DirectLighting, Indirect, LitVertices, Plan};
+use crate::film::{Film, SumOrder, WAVE, Watch, take_samples};
+use crate::indirect::{IndirectField, Paths};
+use crate::interaction::Vertex;
+use crate::light_mesh::{LightMarks, LightMesh};
+use crate::mesh::{Marks, Sight};
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
@@ -36,7 +35,7 @@ pub(crate) enum Lighting<'a> {
 
 /// What waves are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Purpose {
+pub(crate) enum Purpose {
     /// Light on the film.
     Light,
     /// Marks on the mesh points that the hits read and that are empty.
@@ -44,14 +43,14 @@ pub(super) enum Purpose {
 }
 
 /// What a picture is made with.
-pub(super) struct WaveFrame<'a> {
+pub(crate) struct WaveFrame<'a> {
     pub(super) scene: &'a Scene,
     pub(super) options: &'a RenderOptions,
     pub(super) lighting: Lighting<'a>,
-    pub(super) marks: Option<LightMarks>,
+    pub(crate) marks: Option<LightMarks>,
     blocks: Vec<Block>,
-    pub(super) plan: Plan,
-    pub(super) purpose: Purpose,
+    pub(crate) plan: Plan,
+    pub(crate) purpose: Purpose,
     /// Hits and their light, where somebody asks.
     pub(super) lit_hits: Option<Vec<LitHit>>,
 }
@@ -83,7 +82,7 @@ pub(crate) fn render_waves(
 
 impl<'a> WaveFrame<'a> {
     /// A frame that is lit as the method says.
-    pub(super) fn new(scene: &'a Scene, options: &'a RenderOptions, lighting: Lighting<'a>) -> Self {
+    pub(crate) fn new(scene: &'a Scene, options: &'a RenderOptions, lighting: Lighting<'a>) -> Self {
         let marks = match &lighting {
             Lighting::Exact => None,
             Lighting::Mesh(mesh) => Some(mesh.marks()),
@@ -95,7 +94,7 @@ impl<'a> WaveFrame<'a> {
 
     /// Looks at the picture on the film, as far as the options want it: where meshes are to be finer, and how light is taken so that the
     /// error keeps to its bound.
-    pub(super) fn prepare(&mut self, film: &Film, watch: &mut Watch<'_>, stats: &mut RenderStats) -> Result<(), Error> {
+    pub(crate) fn prepare(&mut self, film: &Film, watch: &mut Watch<'_>, stats: &mut RenderStats) -> Result<(), Error> {
         if let Lighting::Mesh(mesh) = &mut self.lighting {
             mesh.coarsen();
         }
@@ -116,7 +115,7 @@ impl<'a> WaveFrame<'a> {
     }
 
     /// Takes the samples of the film's pass.
-    pub(super) fn render_pass(
+    pub(crate) fn render_pass(
         &mut self,
         film: &mut Film,
         watch: &mut Watch<'_>,
@@ -200,7 +199,7 @@ impl<'a> WaveFrame<'a> {
 }
 
 /// Computes the irradiance at every vertex of the blocks.
-pub(super) fn light(
+pub(crate) fn light(
     (scene, options, plan): (&Scene, &RenderOptions, Plan),
     blocks: &mut [Block],
     lighting: &mut Lighting<'_>,

@@ -1,55 +1,22 @@
 //! The light mesh: illumination at points of a lattice in space, computed when a surface first asks for it.
 //!
 //! There are two: the direct field keeps visibility, the indirect one, coarser, keeps irradiance. A frame uses each in three
-//! steps, each a plain parallel loop: demand ([`Reader::read`] marks the points that hits read and that are still empty), fill
-//! (evaluates them in brick order; [`DirectField::fill`], [`IndirectField::fill`]), and shade ([`Reader::read`] interpolates).
+//! steps, each a plain parallel loop: demand ([`Reader::read`](crate::mesh::Reader::read) marks the points that hits read and that are still empty), fill
+//! (evaluates them in brick order; [`DirectField::fill`], [`IndirectField::fill`]), and shade ([`Reader::read`](crate::mesh::Reader::read) interpolates).
 //! Reading is asking: where nothing is empty, the first step already is the last. A point's value depends on the scene, the
 //! settings and the point alone, so it does not matter who asked first.
 
-mod agreement;
-mod ahead;
-mod bounce;
-mod bricks;
-mod clearance;
-mod contents;
-mod direct;
-mod evaluate;
-mod final_gather;
-mod gather;
-mod gathering;
-mod indirect;
-mod lattice;
-mod level;
-mod light_bits;
-mod light_regions;
-mod light_runs;
-mod marks;
-mod missing;
-mod neighbourhood;
-mod points;
-mod probe;
-mod reader;
-mod region_lights;
-mod seen;
-mod unbiased_gather;
-mod usable;
-pub(crate) mod wanted;
+mod prefill;
+mod snapshot;
 
-use glam::{UVec3, Vec3};
+use glam::Vec3;
+pub(crate) use snapshot::PointCounts;
+pub use snapshot::{Contents, Counts, DirectContents, DirectValues, IndirectContents, PointContents};
 
+use crate::direct::DirectField;
+use crate::indirect::IndirectField;
+use crate::mesh::{Lattice, Marks, Neighbourhood, Wanted, requests};
 use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
-pub use contents::{Contents, Counts, DirectContents, DirectValues, IndirectContents, LatticeShape, PointContents};
-pub(crate) use direct::{DirectField, DirectReader, LightsReading, Reading};
-pub use gathering::{Gathering, LevelValues};
-pub(crate) use indirect::{IndirectField, IndirectReading};
-use lattice::Lattice;
-pub(crate) use marks::Marks;
-use neighbourhood::Neighbourhood;
-pub(crate) use points::Points;
-pub(crate) use region_lights::KnownLights;
-pub(crate) use seen::Sight;
-pub(crate) use unbiased_gather::Paths;
-pub use wanted::{BrickPoints, Wanted};
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
 /// neighbourhood, weights, number of levels, light error, gather rays, depth and seed, and serve up to the bounces they were made for;
@@ -146,7 +113,7 @@ impl LightMesh {
 
     /// Whether points lie all around a place: it is in the scene's box, but for rounding.
     pub(crate) fn reaches(&self, scene: &Scene, place: Vec3) -> bool {
-        ahead::reaches(scene, self.direct.points().spacing(), place)
+        prefill::reaches(scene, self.direct.points().spacing(), place)
     }
 
     /// Notes its state in the numbers of a frame that had these options.
@@ -182,9 +149,28 @@ impl LightMesh {
         self.preparation
     }
 
+    /// Whether it has indirect light.
+    pub fn has_indirect(&self) -> bool {
+        self.indirect.is_some()
+    }
+
+    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
+    pub fn level_count(&self) -> u32 {
+        let indirect = self.indirect.as_ref().map_or(0, |field| field.points().level_count());
+        self.direct.points().level_count().max(indirect)
+    }
+
     /// Empty marks for both meshes.
     pub(crate) fn marks(&self) -> LightMarks {
         LightMarks { direct: self.direct.marks(), indirect: self.indirect.as_ref().map(|field| field.points().marks()) }
+    }
+}
+
+/// The marks of both meshes.
+pub(crate) fn take_all(mut marks: LightMarks) -> Wanted {
+    Wanted {
+        direct: requests::take(&mut marks.direct),
+        indirect: marks.indirect.as_mut().map_or_else(Vec::new, requests::take),
     }
 }
 
@@ -192,6 +178,3 @@ impl LightMesh {
 fn auto_indirect(options: &RenderOptions) -> f32 {
     if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT }
 }
-
-/// A lattice coordinate: every component below 2²⁹.
-pub(crate) type Coordinate = UVec3;

@@ -75,7 +75,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(pixels: &[Vec3], size: Size, pixels_per_degree: f64) -> Self {
+    pub(crate) fn new(pixels: &[Vec3], size: Size, pixels_per_degree: f64) -> Self {
         let opponent: Vec<DVec3> = pixels
             .par_iter()
             .map(|p| {
@@ -140,7 +140,7 @@ struct Detectors {
 }
 
 impl Detectors {
-    fn new(pixels_per_degree: f64) -> Self {
+    pub(crate) fn new(pixels_per_degree: f64) -> Self {
         let deviation = 0.5 * FEATURE_WIDTH * pixels_per_degree;
         let radius = (3.0 * deviation).ceil() as i64;
         let kernel = |f: &dyn Fn(f64) -> f64| -> Vec<f64> {

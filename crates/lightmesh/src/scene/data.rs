@@ -4,7 +4,11 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 
-use super::{Camera, Environment, ImageData, Light, Material, Texture};
+use super::camera::Camera;
+use super::environment::Environment;
+use super::light::Light;
+use super::material::Material;
+use super::texture::{ImageData, Texture};
 use crate::geometry::{Aabb, Shape, Sphere, TriangleMesh};
 
 /// A mesh placed in the world.

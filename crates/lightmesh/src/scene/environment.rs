@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::{ImageData, Texels};
+use super::texture::{ImageData, Texels};
 use crate::Error;
 
 /// An environment: what rays see that leave the scene.

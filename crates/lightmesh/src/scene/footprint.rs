@@ -2,9 +2,8 @@
 
 use glam::{Vec2, Vec4};
 
-use super::pyramid::Pyramid;
-use super::texture::{Decode, fold};
-use super::{Filter, ImageData, Texture, UvTransform};
+use super::mipmap::Pyramid;
+use super::texture::{Decode, Filter, ImageData, Texture, UvTransform, fold};
 
 /// What a sample covers of a texture: the parallelogram of two vectors about a place beside the one that it hits.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::TextureRef;
+use super::texture::TextureRef;
 
 /// How the base colour's alpha is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -56,7 +56,7 @@ pub enum Filter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Texture {
-    /// Index into [`SceneData::images`](crate::SceneData::images).
+    /// Index into [`SceneData::images`](super::data::SceneData::images).
     pub image: usize,
     /// Horizontally.
     pub wrap_s: Wrap,
@@ -101,7 +101,7 @@ impl UvTransform {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureRef {
-    /// Index into [`SceneData::textures`](crate::SceneData::textures).
+    /// Index into [`SceneData::textures`](super::data::SceneData::textures).
     pub texture: usize,
     /// 0 or 1: which of the mesh's texture coordinate sets.
     pub uv_set: usize,
@@ -201,7 +201,7 @@ pub(crate) enum Decode {
 }
 
 impl Decode {
-    pub(super) fn texel(self, texels: &Texels, index: usize) -> Vec4 {
+    pub(crate) fn texel(self, texels: &Texels, index: usize) -> Vec4 {
         match texels {
             Texels::Rgba32F(t) => Vec4::from_array(t[index]),
             Texels::Rgba8(t) => match self {
@@ -261,7 +261,7 @@ fn floor(x: f32) -> i32 {
 }
 
 /// The coordinate in the first period of the wrap mode, or itself where there is none.
-pub(super) fn fold(mode: Wrap, u: f32) -> f32 {
+pub(crate) fn fold(mode: Wrap, u: f32) -> f32 {
     match mode {
         Wrap::Repeat => u - u.floor(),
         Wrap::MirroredRepeat => u - 2.0 * (0.5 * u).floor(),

@@ -2,11 +2,16 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Environment, ImageData, Light, Material, Projection, SceneData, Texels};
+use super::camera::Projection;
+use super::data::SceneData;
+use super::environment::Environment;
+use super::light::Light;
+use super::material::Material;
+use super::texture::{ImageData, Texels};
 use crate::Error;
 
 /// Checks all of `data`; mends what can be mended and returns one sentence for each mend.
-pub(super) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
+pub(crate) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     let mut warnings = Vec::new();
     check_images(data)?;
     for (index, material) in data.materials.iter().enumerate() {
@@ -113,7 +118,7 @@ fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<
     }
     // A node scaled to nothing has no surface.
     let before = data.instances.len();
-    let flat = |i: &super::Instance| i.world_from_object.matrix3.determinant() == 0.0;
+    let flat = |i: &super::data::Instance| i.world_from_object.matrix3.determinant() == 0.0;
     data.instances.retain(|i| !flat(i));
     if data.instances.len() < before {
         warnings.push(format!("{} instance(s) are scaled to nothing and left out", before - data.instances.len()));

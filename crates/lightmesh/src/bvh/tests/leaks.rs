@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use super::super::scene_bvh::SceneBvh;
 use super::{Random, scene};
-use crate::bvh::SceneBvh;
 use crate::geometry::Ray;
 
 const SEGMENTS: usize = 48;

@@ -3,9 +3,9 @@
 use fearless_simd::Level;
 use glam::Vec3;
 
+use super::super::scene_bvh::SceneBvh;
+use super::super::triangle_block::{BlockRay, Shear, TriangleBlock, TriangleHit, intersect_triangle};
 use super::{Random, rays, scene};
-use crate::bvh::SceneBvh;
-use crate::bvh::triangle_block::{BlockRay, Shear, TriangleBlock, TriangleHit, intersect_triangle};
 
 /// The levels that this machine has, the weakest first.
 fn levels() -> Vec<Level> {

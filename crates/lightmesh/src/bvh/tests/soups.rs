@@ -3,8 +3,10 @@
 use glam::Vec3;
 use proptest::prelude::*;
 
+use super::super::brute_force::closest_brute_force;
+use super::super::hit::Target;
+use super::super::scene_bvh::SceneBvh;
 use super::{Random, rays, scene};
-use crate::bvh::{SceneBvh, Target, closest_brute_force};
 
 #[derive(Clone, Copy, Debug)]
 enum Soup {

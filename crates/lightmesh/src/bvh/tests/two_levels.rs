@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 
+use super::super::brute_force::closest_brute_force;
+use super::super::hit::{Hit, Target};
+use super::super::scene_bvh::SceneBvh;
 use super::{Random, mesh, rays, scene};
-use crate::bvh::{Hit, SceneBvh, Target, closest_brute_force};
 use crate::geometry::{Aabb, Ray, Shape, Sphere, TriangleMesh};
 use crate::scene::{Instance, SceneData, ShapeEntry};
 

@@ -1,0 +1,57 @@
+//! Exact direct light: a shadow ray to every light sample that the surface faces ("standard tracing").
+
+use glam::Vec3;
+
+use crate::Falloff;
+use crate::geometry::Ray;
+use crate::interaction::{Vertex, VisibilityScratch, visibility};
+use crate::light::{Directions, LightsAt};
+use crate::world::Scene;
+
+/// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    directions: Directions,
+    lanes: Vec<u32>,
+    terms: Vec<f32>,
+    rays: Vec<Ray>,
+    visible: Vec<Vec3>,
+    shadow: VisibilityScratch,
+}
+
+impl Scratch {
+    /// Σ_i V_i φ2 E_i / φ3 over lights that look from the vertex: formula (2) with exact visibility, lux per channel; also how many
+    /// shadow rays it took.
+    pub(crate) fn irradiance(
+        &mut self,
+        scene: &Scene,
+        seen: &LightsAt<'_>,
+        falloff: Falloff,
+        vertex: &Vertex,
+    ) -> (Vec3, u64) {
+        let lights = seen.lights();
+        lights.directions(scene.level(), falloff, vertex.position, &mut self.directions);
+
+        // Only lights in front of the surface, in their cone and range, are worth a ray.
+        self.lanes.clear();
+        self.terms.clear();
+        self.rays.clear();
+        let d = &self.directions;
+        for lane in 0..lights.lanes() {
+            let direction = Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
+            let term = vertex.n.dot(direction) * d.f[lane];
+            if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
+                self.lanes.push(lane as u32);
+                self.terms.push(term);
+                self.rays.push(seen.shadow_ray(lane, vertex.origin_towards(direction)));
+            }
+        }
+        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
+
+        let mut sum = Vec3::ZERO;
+        for ((&lane, &term), &v) in self.lanes.iter().zip(&self.terms).zip(&self.visible) {
+            sum += lights.intensity(lane as usize) * v * term;
+        }
+        (sum, self.rays.len() as u64)
+    }
+}

@@ -1,0 +1,23 @@
+//! Direct light: formula (1) at mesh points, formula (3g) over them, and shadow rays where they do not suffice.
+
+mod evaluate;
+mod exact;
+mod field;
+mod fill;
+mod per_light;
+mod plan;
+mod read;
+mod read_lights;
+mod region_cuts;
+mod region_visibility;
+mod shading;
+mod visibility_bits;
+mod visibility_estimate;
+mod visibility_runs;
+
+pub(crate) use exact::Scratch;
+pub(crate) use field::{DirectField, Field};
+pub(crate) use per_light::{Care, Trust};
+pub(crate) use plan::{Indirect, Plan, Shading};
+pub(crate) use shading::{DirectLighting, LitVertices};
+pub(crate) use visibility_runs::LightRuns;

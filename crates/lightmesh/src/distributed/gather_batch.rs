@@ -1,0 +1,251 @@
+//! Some points of the indirect mesh on their way, step by step, so that several processes can fill a mesh together: what
+//! [`IndirectField::fill`] does for all points, for some of them, with what others do in between.
+//!
+//! | step | here | needs of the others |
+//! |---|---|---|
+//! | gather | rays from the points, and which points their hits read ([`Gathering::wanted`]) | nothing |
+//! | light | the direct light where the rays end | the points of the direct mesh there |
+//! | bounce k | T_k, for k = 0 … N | T_{k−1} of the points that the hits read |
+//!
+//! Points that hits read are wanted in their turn, until no new ones come up. The values are those of a mesh that one process fills, bit for
+//! bit: they depend on the points alone.
+
+use glam::Vec4;
+use rayon::prelude::*;
+
+use crate::direct::{DirectLighting, Plan};
+use crate::indirect::{Gather, Gathered, IndirectField, POINTS_AT_ONCE, sphere_directions};
+use crate::light_mesh::{Contents, IndirectContents, LightMesh, PointCounts};
+use crate::mesh::{Address, BrickPoints, Coordinate, Sight, Wanted, requests};
+use crate::progress::Reporter;
+use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
+
+/// Points of the indirect mesh that are being filled.
+#[derive(Debug)]
+pub struct Gathering {
+    /// A mesh of these points alone, which come first, and of those that their hits read.
+    pub(super) field: IndirectField,
+    own: usize,
+    /// Of its points, those inside solids.
+    pub(super) own_invalid: usize,
+    /// The rays, until they have light.
+    gathers: Vec<Gather>,
+    gathered: Gathered,
+    /// What it took so far.
+    pub rays: RayCounts,
+}
+
+/// The light T_k of some points after k reflections or fewer, that of lamps left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LevelValues {
+    /// Refinement and lattice coordinates of each point, ascending.
+    pub points: Vec<[u32; 4]>,
+    /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
+    /// [`Method::Paper`](crate::options::Method::Paper) formula (4), one colour.
+    pub values: Vec<f32>,
+}
+
+impl LevelValues {
+    /// The points of several parts, which have none in common.
+    pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut all: Vec<([u32; 4], &[f32])> = Vec::new();
+        for part in parts.into_iter().filter(|part| !part.points.is_empty()) {
+            let one = part.values.len() / part.points.len();
+            all.extend(part.points.iter().copied().zip(part.values.chunks(one.max(1))));
+        }
+        all.sort_unstable_by_key(|&(point, _)| point);
+        Self {
+            points: all.iter().map(|&(point, _)| point).collect(),
+            values: all.iter().flat_map(|&(_, values)| values).copied().collect(),
+        }
+    }
+}
+
+impl Gathering {
+    /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others and looks which
+    /// points their hits read. `mesh` only says how; it need not have any points.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    pub fn new(
+        scene: &Scene,
+        options: &RenderOptions,
+        mesh: &LightMesh,
+        bricks: &[BrickPoints],
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        options.validate()?;
+        mesh.check_serves(options)?;
+        let Some(field) = &mesh.indirect else {
+            let what = "there is no indirect mesh without bounces".into();
+            return Err(Error::InvalidOption { option: "bounces", what });
+        };
+        let mut field = field.without_points();
+        let mut marks = field.points().marks();
+        requests::mark(field.points(), bricks, &marks)?;
+        let mut rays = RayCounts { secondary: field.probe(scene, &mut marks, 0)?, ..RayCounts::default() };
+        let (own, own_invalid) = (field.points().len(), field.points().invalid_addresses().len());
+        let reporter = Reporter::new(progress, Stage::Fill, own as u64);
+
+        let directions = sphere_directions(field.gather_rays);
+        let mut gathers: Vec<Gather> = Vec::new();
+        let mut gathered = Gathered::default();
+        gathers.resize_with(own, Gather::default);
+        for (batch, first) in gathers.chunks_mut(POINTS_AT_ONCE).zip((0..).step_by(POINTS_AT_ONCE)) {
+            field.shoot((scene, options), first, &directions, batch);
+            let linked = field.link(scene, &mut marks, batch, 0, &mut gathered)?;
+            let shot: u64 = batch.iter_mut().map(|gather| std::mem::take(&mut gather.rays)).sum();
+            (rays.secondary, rays.gather) = (rays.secondary + linked, rays.gather + shot);
+            reporter.add(batch.len() as u64, shot + linked);
+            if reporter.cancelled() {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(Self { field, own, own_invalid, gathers, gathered, rays })
+    }
+
+    /// How many points it is for, those inside solids left out.
+    pub fn len(&self) -> usize {
+        self.own
+    }
+
+    /// Whether all of its points are inside solids.
+    pub fn is_empty(&self) -> bool {
+        self.own == 0
+    }
+
+    /// Memory, bytes: some 12 KiB a point with 256 rays, five times that until it has light.
+    pub fn bytes(&self) -> u64 {
+        let rays: usize = self.gathers.iter().map(Gather::bytes).sum();
+        rays as u64 + self.gathered.bytes() + self.field.stats().bytes
+    }
+
+    /// The points of both meshes that the hits read.
+    pub fn wanted(&self, scene: &Scene, mesh: &LightMesh) -> Wanted {
+        let mut direct = mesh.direct.marks();
+        if self.field.links() {
+            let points = mesh.direct.points();
+            let mark = |gather: &Gather| points.demand(scene, &gather.lit.vertices, &direct, Sight::One);
+            self.gathers.par_iter().for_each(mark);
+        }
+        let mut indirect = self.field.points().marks();
+        for index in self.own..self.field.points().len() {
+            self.field.points().mark(self.field.points().address(index), &indirect);
+        }
+        Wanted { direct: requests::take(&mut direct), indirect: requests::take(&mut indirect) }
+    }
+
+    /// Takes the direct light where the rays end from the mesh; what that lacks is filled. The rays are then given up. A second time does
+    /// nothing.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    pub fn light(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        mesh: &mut LightMesh,
+        progress: &dyn Progress,
+    ) -> Result<(), Error> {
+        mesh.check_serves(options)?;
+        let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
+        let mut stats = RenderStats::default();
+        let mut marks = mesh.direct.marks();
+        let (field, marks, plan) = (&mut mesh.direct, &mut marks, Plan::of(options));
+        let mut direct = DirectLighting { scene, options, plan, field, marks, reporter: &reporter, stats: &mut stats };
+        for batch in std::mem::take(&mut self.gathers).chunks_mut(POINTS_AT_ONCE) {
+            self.field.light(&mut direct, batch, &mut self.gathered)?;
+            reporter.add(batch.len() as u64, 0);
+        }
+        self.rays += stats.rays;
+        Ok(())
+    }
+
+    /// T_k of its points; `below` has T_{k−1} of all the points that are wanted, and is not asked where k is 0. Ask for one
+    /// level after the other; one that is known is given again.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] where a point is missing below, or the level is not the next.
+    pub fn bounce(&mut self, scene: &Scene, k: u32, below: &LevelValues) -> Result<LevelValues, Error> {
+        let bad = |what: String| Err(Error::InvalidOption { option: "bounces", what });
+        let (k, sides) = (k as usize, self.field.sides.count());
+        if k >= self.field.levels.len() || (k > 0 && self.field.levels[k - 1].is_empty() && self.own > 0) {
+            return bad(format!("reflection {k} is not the next of {}", self.field.levels.len() - 1));
+        }
+        if self.field.levels[k].is_empty() {
+            if k > 0 && self.gathered.reads_points() {
+                self.take_below(k - 1, below)?;
+            }
+            let level = self.field.level(scene, k, &self.gathered);
+            self.field.levels[k] = level;
+        }
+        let own = &self.field.levels[k][..self.own * sides];
+        let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
+        let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
+        Ok(LevelValues::join([&LevelValues { points, values }]))
+    }
+
+    /// Puts T_k of the points that others fill behind those of its own.
+    fn take_below(&mut self, k: usize, below: &LevelValues) -> Result<(), Error> {
+        let sides = self.field.sides.count();
+        let bad = |what: String| Err(Error::InvalidOption { option: "below", what });
+        if below.values.len() != below.points.len() * sides * 3 {
+            return bad(format!("{} numbers are not {} colours a point", below.values.len(), sides));
+        }
+        let level = &mut self.field.levels[k];
+        level.truncate(self.own * sides);
+        for index in self.own..self.field.points.len() {
+            let point = numbers(self.field.points.address(index));
+            let Ok(at) = below.points.binary_search(&point) else {
+                return bad(format!("point {point:?} is missing, or points are not in order"));
+            };
+            let colours = below.values[at * sides * 3..][..sides * 3].chunks_exact(3);
+            level.extend(colours.map(|c| Vec4::new(c[0], c[1], c[2], 0.0)));
+        }
+        Ok(())
+    }
+}
+
+/// An address as four numbers.
+fn numbers(Address { level, coordinate: Coordinate { x, y, z } }: Address) -> [u32; 4] {
+    [level, x, y, z]
+}
+
+impl IndirectField {
+    /// An empty field of the same lattices and settings.
+    fn without_points(&self) -> Self {
+        Self {
+            points: self.points.without_points(),
+            sides: self.sides,
+            gather_rays: self.gather_rays,
+            depth: self.depth,
+            seed: self.seed,
+            levels: vec![Vec::new(); self.levels.len()],
+            hit_irradiance: (0.0, 0),
+            max_memory: self.max_memory,
+        }
+    }
+}
+
+impl Gathering {
+    /// What the mesh that it was made with is to know of its points, when they have all their levels.
+    ///
+    /// # Errors
+    /// [`Error::InvalidOption`] before that.
+    pub fn contents(&self, mesh: &LightMesh) -> Result<Contents, Error> {
+        let own: Vec<u32> = (0..self.len() as u32).collect();
+        if self.field.levels.iter().any(|level| level.len() < own.len() * self.field.sides.count()) {
+            let what = "the last reflection is still to come".into();
+            return Err(Error::InvalidOption { option: "bounces", what });
+        }
+        let (hit_irradiance, hit_count) = self.field.hit_irradiance;
+        let mut points = self.field.points.contents_since(PointCounts::default());
+        points.addresses.truncate(own.len());
+        points.clearances.truncate(own.len());
+        points.invalid.truncate(self.own_invalid);
+        let indirect = IndirectContents { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
+        let nothing = mesh.direct.points.contents_since(mesh.direct.points.counts());
+        let direct = mesh.direct.contents(nothing, std::iter::empty());
+        Ok(Contents { direct, indirect: Some(indirect) })
+    }
+}

@@ -1,0 +1,153 @@
+//! Layers while samples come in: sums, and which pixel they belong to.
+
+use glam::Vec3;
+
+use crate::options::{Aov, Aovs, Layer};
+
+/// The sums of a picture's layers; those that nobody asked for are empty.
+#[derive(Debug, Default)]
+pub(crate) struct Layers {
+    collected: Aovs,
+    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the most, for [`Aov::MeshValid`] what
+    /// is missing to 1.
+    values: [Vec<f32>; Aov::ALL.len()],
+    /// How much of the samples' weight hit something: what depths are divided by.
+    hit: Vec<f32>,
+}
+
+impl Layers {
+    /// Empty layers for `pixels` pixels: of `aovs`, and of those that they are made from.
+    pub(crate) fn new(aovs: Aovs, pixels: usize) -> Self {
+        let collected = aovs.with_sources();
+        let zeros = |wanted, channels| if wanted { vec![0.0; pixels * channels] } else { Vec::new() };
+        Self {
+            collected,
+            values: Aov::ALL.map(|aov| zeros(collected.contains(aov), aov.channels().len())),
+            hit: zeros(collected.contains(Aov::Depth), 1),
+        }
+    }
+
+    /// Whether any is collected.
+    pub(crate) fn any(&self) -> bool {
+        !self.collected.is_empty()
+    }
+
+    /// Adds what a sample saw first: a surface that covers the part `weight` of it, `depth_m` metres away.
+    pub(crate) fn add_surface(&mut self, pixel: u32, weight: f32, albedo: Vec3, normal: Vec3, depth_m: f32) {
+        self.add(Aov::Albedo, pixel, albedo * weight);
+        self.add(Aov::Normal, pixel, normal * weight);
+        if let Some(hit) = self.hit.get_mut(pixel as usize) {
+            *hit += weight;
+            self.values[Aov::Depth as usize][pixel as usize] += depth_m * weight;
+        }
+    }
+
+    /// Adds to a layer of three channels.
+    pub(crate) fn add(&mut self, aov: Aov, pixel: u32, value: Vec3) {
+        if let Some(sum) = self.values[aov as usize].get_mut(pixel as usize * 3..).and_then(<[f32]>::first_chunk_mut) {
+            let [x, y, z]: &mut [f32; 3] = sum;
+            (*x, *y, *z) = (*x + value.x, *y + value.y, *z + value.z);
+        }
+    }
+
+    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of what it
+    /// asked for, in a cell of refinement `level`.
+    pub(crate) fn add_reading(&mut self, pixel: u32, weight: f32, usable: f32, level: u32) {
+        if let Some(missing) = self.values[Aov::MeshValid as usize].get_mut(pixel as usize) {
+            *missing += weight * (1.0 - usable);
+        }
+        if let Some(most) = self.values[Aov::MeshLevel as usize].get_mut(pixel as usize) {
+            *most = most.max(level as f32);
+        }
+    }
+
+    /// Values that a pixel has in all layers.
+    pub(crate) fn channels(&self) -> usize {
+        self.collected.iter().map(|aov| aov.channels().len()).sum::<usize>() + usize::from(!self.hit.is_empty())
+    }
+
+    /// Adds a pixel's values to a list, [`Layers::channels`] of them.
+    pub(crate) fn copy_to(&self, pixel: u32, values: &mut Vec<f32>) {
+        for aov in self.collected.iter() {
+            let channels = aov.channels().len();
+            values.extend_from_slice(&self.values[aov as usize][pixel as usize * channels..][..channels]);
+        }
+        values.extend(self.hit.get(pixel as usize));
+    }
+
+    /// Takes a pixel's values as [`Layers::copy_to`] gave them.
+    pub(crate) fn copy_from(&mut self, pixel: u32, mut values: &[f32]) {
+        for aov in self.collected.iter() {
+            let channels = aov.channels().len();
+            let (own, rest) = values.split_at(channels);
+            self.values[aov as usize][pixel as usize * channels..][..channels].copy_from_slice(own);
+            values = rest;
+        }
+        if let (Some(hit), Some(&value)) = (self.hit.get_mut(pixel as usize), values.first()) {
+            *hit = value;
+        }
+    }
+
+    /// Begins some pixels anew.
+    pub(crate) fn clear(&mut self, pixels: &[u32]) {
+        self.change(pixels.iter().copied(), |_, value| *value = 0.0);
+    }
+
+    /// Multiplies the sums of some pixels.
+    pub(crate) fn scale(&mut self, pixels: impl Iterator<Item = u32> + Clone, factor: f32) {
+        // The most of some levels is no sum.
+        self.change(pixels, |aov, value| *value *= if aov == Aov::MeshLevel { 1.0 } else { factor });
+    }
+
+    fn change(&mut self, pixels: impl Iterator<Item = u32> + Clone, change: impl Fn(Aov, &mut f32)) {
+        for aov in self.collected.iter() {
+            let channels = aov.channels().len();
+            let values = &mut self.values[aov as usize];
+            for pixel in pixels.clone() {
+                values[pixel as usize * channels..][..channels].iter_mut().for_each(|value| change(aov, value));
+            }
+        }
+        if !self.hit.is_empty() {
+            pixels.for_each(|pixel| change(Aov::Depth, &mut self.hit[pixel as usize]));
+        }
+    }
+
+    /// The finished layers, of sums that are means but for depth, in the order of [`Aov::ALL`]; [`Aov::Points`] is
+    /// black.
+    pub(crate) fn finish(mut self) -> Vec<Layer> {
+        for (depth, hit) in self.values[Aov::Depth as usize].iter_mut().zip(&self.hit) {
+            *depth = if *hit > 0.0 { *depth / hit } else { Aov::FAR_M };
+        }
+        for valid in &mut self.values[Aov::MeshValid as usize] {
+            *valid = (1.0 - *valid).clamp(0.0, 1.0);
+        }
+        self.collected.iter().map(|aov| Layer { aov, values: std::mem::take(&mut self.values[aov as usize]) }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two samples of one pixel, one of which hits nothing: colours are averaged with black, the depth is not averaged.
+    #[test]
+    fn depth_is_that_of_what_is_hit() {
+        let mut layers = Layers::new([Aov::Albedo, Aov::Depth].into_iter().collect(), 2);
+        layers.add_surface(1, 1.0, Vec3::ONE, Vec3::X, 7.0);
+        layers.scale(0..2, 0.5);
+        let [albedo, depth] = <[Layer; 2]>::try_from(layers.finish()).expect("two layers");
+        assert_eq!(albedo.values, [0.0, 0.0, 0.0, 0.5, 0.5, 0.5]);
+        assert_eq!(depth.values, [Aov::FAR_M, 7.0]);
+    }
+
+    /// Half of what is asked for cannot be used; a pixel that asks for nothing has 1.
+    #[test]
+    fn a_pixel_that_asks_for_nothing_misses_nothing() {
+        let mut layers = Layers::new([Aov::MeshLevel, Aov::MeshValid].into_iter().collect(), 2);
+        layers.add_reading(0, 1.0, 0.5, 2);
+        layers.add_reading(0, 1.0, 1.0, 1);
+        layers.scale(0..2, 0.5);
+        let [level, valid] = <[Layer; 2]>::try_from(layers.finish()).expect("two layers");
+        assert_eq!((level.values, valid.values), (vec![2.0, 0.0], vec![0.75, 1.0]));
+    }
+}

@@ -1,0 +1,232 @@
+//! The indirect field: formula (4) at the points of its own, coarser mesh, bounce by bounce, and formula (6) over them.
+//!
+//! Level k is the light that arrives after k diffuse reflections or fewer, direct light and light that is sampled from lamps
+//! left out: T_0 is the emission that gather rays find, and
+//!
+//! > T_k(x) = gather(Le + a/π (E + T_{k−1})), k = 1 … N,
+//!
+//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. A point's levels depend on the whole level
+//! below, never on the order in which points were asked for; all of them are kept, so that points that are asked for later
+//! can be computed from those that are there.
+
+use glam::{Vec3, Vec4};
+
+use crate::interaction::Vertex;
+use crate::mesh::{Axes, Known, Lattice, Marks, Neighbourhood, Outcome, Points, Reader, Sight, bits};
+use crate::{MeshStats, Method, RenderOptions, Scene};
+
+/// Indirect light at points of its mesh.
+#[derive(Debug)]
+pub(crate) struct IndirectField {
+    pub(crate) points: Points,
+    pub(crate) sides: Sides,
+    pub(crate) gather_rays: u32,
+    /// How far gather rays follow mirrors and glass.
+    pub(crate) depth: u32,
+    pub(crate) seed: u64,
+    /// T_k by level, [`Sides::count`] values a point.
+    pub(crate) levels: Vec<Vec<Vec4>>,
+    /// Sum and number of the direct irradiances at gather hits (mean over channels).
+    pub(crate) hit_irradiance: (f64, u64),
+    pub(crate) max_memory: u64,
+}
+
+/// What a point keeps of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sides {
+    /// Irradiance on planes that face ±x, ±y, ±z.
+    Six,
+    /// The paper's IndirectLight(x) = ∫ L dω: a quarter of it is the irradiance on any plane, were the light even.
+    One,
+}
+
+impl Sides {
+    pub(crate) fn of(options: &RenderOptions) -> Self {
+        if options.method == Method::Paper { Self::One } else { Self::Six }
+    }
+
+    /// Values per point and level.
+    pub(crate) fn count(self) -> usize {
+        match self {
+            Self::Six => 6,
+            Self::One => 1,
+        }
+    }
+}
+
+/// What a vertex finds in the indirect mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum IndirectReading {
+    /// Irradiance, lux.
+    Irradiance(Vec3),
+    /// No point of the neighbourhood can be used.
+    Nothing,
+    /// Points are missing; they have been marked.
+    Empty,
+}
+
+impl IndirectField {
+    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+        Self {
+            points: Points::new(lattices, neighbourhood),
+            sides: Sides::of(options),
+            gather_rays: options.gather_rays,
+            depth: options.depth,
+            seed: options.seed,
+            levels: vec![Vec::new(); options.bounces as usize + 1],
+            hit_irradiance: (0.0, 0),
+            max_memory: options.max_memory,
+        }
+    }
+
+    pub(crate) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
+        self.sides == Sides::of(options)
+            && self.points.neighbourhood == neighbourhood
+            && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
+            && (options.bounces as usize) < self.levels.len()
+    }
+
+    /// Where its points are, to be refined.
+    pub(crate) fn points_mut(&mut self) -> &mut Points {
+        &mut self.points
+    }
+
+    /// Where its points are.
+    pub(crate) fn points(&self) -> &Points {
+        &self.points
+    }
+
+    pub(crate) fn stats(&self) -> MeshStats {
+        let values: usize = self.levels.iter().map(|level| size_of_val(level.as_slice())).sum();
+        self.points.stats(values as u64)
+    }
+
+    /// T_level of a point as irradiance on a plane whose normal the axes describe.
+    #[inline(always)]
+    pub(super) fn irradiance(&self, level: &[Vec4], index: u32, axes: &Axes) -> Vec4 {
+        match self.sides {
+            Sides::Six => {
+                let values = &level[index as usize * 6..][..6];
+                let [x, y, z] = axes.sides;
+                values[x] * axes.squares.x + values[y] * axes.squares.y + values[z] * axes.squares.z
+            }
+            Sides::One => level[index as usize] * 0.25,
+        }
+    }
+
+    /// A reader for one thread of what `bounces` reflections bring.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: Sight) -> IndirectReader<'a> {
+        IndirectReader {
+            field: self,
+            level: &self.levels[bounces as usize],
+            reader: self.points.reader(scene, sight),
+            known: Known::default(),
+            corners: [Vec4::ZERO; 8],
+        }
+    }
+
+    /// An estimate of what bounces after the last one would add, as a part of all light that arrives, their own included: the
+    /// last bounces' ratio goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
+    pub(crate) fn left_out(&self, bounces: u32) -> Option<f64> {
+        let mean = |level: usize| {
+            let values = &self.levels[level];
+            let sum: f64 = values.iter().map(|v| f64::from(v.truncate().element_sum())).sum();
+            sum / 3.0 / values.len().max(1) as f64 / if self.sides == Sides::One { 4.0 } else { 1.0 }
+        };
+        let n = bounces as usize;
+        let direct = self.hit_irradiance.0 / self.hit_irradiance.1.max(1) as f64;
+        let total = direct + mean(n);
+        if n == 0 || total <= 0.0 {
+            return Some(0.0);
+        }
+        let last = mean(n) - mean(n - 1);
+        let before = if n == 1 { direct + mean(0) } else { mean(n - 1) - mean(n - 2) };
+        let ratio = last / before;
+        if last <= 0.0 {
+            return Some(0.0);
+        }
+        let rest = last * ratio / (1.0 - ratio);
+        (ratio < 1.0).then(|| rest / (total + rest))
+    }
+}
+
+/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
+/// that normal is kept.
+pub(crate) struct IndirectReader<'a> {
+    field: &'a IndirectField,
+    level: &'a [Vec4],
+    reader: Reader<'a>,
+    known: Known,
+    /// Their irradiance; 0 where it is not known.
+    corners: [Vec4; 8],
+}
+
+impl IndirectReader<'_> {
+    /// Ĩ_d(y), formula (6); points that are still empty are marked.
+    #[inline(always)]
+    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
+        if !self.reader.reads_cells() {
+            return self.read_points(vertex, marks);
+        }
+        let seen = match self.reader.corners(vertex, marks) {
+            Ok(seen) => seen,
+            Err(Outcome::Empty) => return IndirectReading::Empty,
+            Err(_) => return IndirectReading::Nothing,
+        };
+        if seen.refined > 0.0 {
+            return self.read_points(vertex, marks);
+        }
+        if !self.known.goes_on(vertex.n, self.reader.visits()) {
+            // A curved surface: the next vertex has another normal.
+            let axes = Axes::facing(vertex.n);
+            for k in bits(seen.mask) {
+                let weight = seen.weights[k / 4][k % 4];
+                sum += self.field.irradiance(self.level, self.reader.index(k), &axes) * weight;
+                total += weight;
+            }
+            return IndirectReading::Irradiance(sum.truncate() / total);
+        }
+        self.know(seen.mask, vertex.n);
+        // All eight: a corner that is not seen has no weight.
+        for (z, weights) in seen.weights.iter().enumerate() {
+            for (corner, weight) in self.corners[4 * z..].iter().zip(weights.to_array()) {
+                sum += corner * weight;
+                total += weight;
+            }
+        }
+        IndirectReading::Irradiance(sum.truncate() / total)
+    }
+
+    /// The same, point by point.
+    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
+        let axes = Axes::facing(vertex.n);
+        let outcome = self.reader.read(vertex, marks, |index, weight| {
+            sum += self.field.irradiance(self.level, index, &axes) * weight;
+            total += weight;
+        });
+        match outcome {
+            Outcome::Read => IndirectReading::Irradiance(sum.truncate() / total),
+            Outcome::Nothing => IndirectReading::Nothing,
+            Outcome::Empty => IndirectReading::Empty,
+        }
+    }
+
+    /// Sums up the corners of `mask` for the normal, those that are not known yet.
+    #[inline(always)]
+    fn know(&mut self, mask: u8, n: Vec3) {
+        if self.known.is_empty() {
+            self.corners = [Vec4::ZERO; 8];
+        }
+        let axes = Axes::facing(n);
+        for k in self.known.learn(mask) {
+            self.corners[k] = self.field.irradiance(self.level, self.reader.index(k), &axes);
+        }
+    }
+
+    /// Rays shot so far to find out which points vertices see.
+    pub(crate) fn sight_rays(&self) -> u64 {
+        self.reader.sight_rays()
+    }
+}

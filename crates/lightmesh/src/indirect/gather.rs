@@ -1,0 +1,261 @@
+//! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose light
+//! arrives there. The sum of formula (4) over evenly spread directions.
+//!
+//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light over a plane is
+//! a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light with them: the kernel's
+//! tails reach beyond finite walls.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Mat3, Quat, Vec2, Vec3};
+
+use crate::bvh::Hit;
+use crate::direct::LitVertices;
+use crate::geometry::Ray;
+use crate::interaction::{MAX_LAYERS, Vertex, evaluate};
+use crate::mesh::{Address, Coordinate};
+use crate::sampling::{basis, hash, sample_cosine_hemisphere};
+use crate::{RenderOptions, Scene};
+
+/// 1 / golden ratio in units of 2⁻³².
+const INV_GOLDEN: u32 = 2_654_435_769;
+
+/// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
+#[derive(Debug, Default)]
+pub(crate) struct Gather {
+    /// By ray.
+    pub lobes: Vec<Vec3>,
+    /// Emission that rays met, cd/m² times throughput, with the ray's number.
+    pub emitted: Vec<(u32, Vec3)>,
+    /// The diffuse surfaces at which rays ended; `pixel` is the ray's number, `weight` the radiance that arrives along it
+    /// per unit of irradiance there.
+    pub lit: LitVertices,
+    /// Rays traced.
+    pub rays: u64,
+    batch: Vec<Ray>,
+    /// What each ray's choices are made with.
+    seeds: Vec<u32>,
+    hits: Vec<Option<Hit>>,
+}
+
+/// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical Fibonacci
+/// Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same parts of the scene and of
+/// its meshes.
+pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
+    let mut directions: Vec<Vec3> = (0..count)
+        .map(|i| {
+            let z = 1.0 - (2 * i + 1) as f32 / count as f32;
+            let phi = TAU * unit(i.wrapping_mul(INV_GOLDEN));
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            Vec3::new(r * libm::cosf(phi), r * libm::sinf(phi), z)
+        })
+        .collect();
+    directions.sort_by_key(|&d| octahedral_morton(d));
+    directions
+}
+
+/// A place on a curve that fills the sphere: the Morton code of the direction's place on the octahedron, unfolded, of 256 × 256
+/// cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
+fn octahedral_morton(d: Vec3) -> u32 {
+    let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
+    let folded = |a: f32, b: f32| if p.z < 0.0 { (1.0 - b.abs()) * 1.0_f32.copysign(a) } else { a };
+    let cell = |x: f32| ((x * 0.5 + 0.5) * 255.0) as u32;
+    let (x, y) = (cell(folded(p.x, p.y)), cell(folded(p.y, p.x)));
+    (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
+}
+
+/// How rays of a hemisphere are spread over its heights, of which each has an equal part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Heights {
+    /// In the middle of its part: least noise where there are many.
+    Even,
+    /// Anywhere in it: the expectation is exact.
+    Random,
+}
+
+/// 32 bits as a number in [0, 1), 24 of them.
+pub(super) fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
+}
+
+/// The seed of a mesh point.
+pub(super) fn seed_of_point(seed: u64, at: Address) -> u32 {
+    seed_of_coordinate(seed.wrapping_add(u64::from(at.level) << 48), at.coordinate)
+}
+
+fn seed_of_coordinate(seed: u64, c: Coordinate) -> u32 {
+    let seed = hash(seed as u32 ^ hash((seed >> 32) as u32));
+    hash(hash(hash(seed ^ c.x) ^ c.y) ^ c.z)
+}
+
+/// The seed of a surface point.
+pub(super) fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
+    seed_of_coordinate(seed, Coordinate::from_array(p.to_array().map(f32::to_bits)))
+}
+
+/// A rotation, uniform over all (Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992).
+pub(super) fn random_rotation(seed: u32) -> Mat3 {
+    let [u, v, w] = [0, 1, 2].map(|i| unit(hash(seed.wrapping_add(i))));
+    let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
+    let (x, y) = (TAU * v, TAU * w);
+    Mat3::from_quat(Quat::from_xyzw(a * libm::sinf(x), a * libm::cosf(x), b * libm::sinf(y), b * libm::cosf(y)))
+}
+
+impl Gather {
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let rays = size_of::<Vec3>() + size_of::<Ray>() + size_of::<u32>() + size_of::<Option<Hit>>();
+        self.batch.len() * rays + size_of_val(self.emitted.as_slice()) + size_of_val(self.lit.vertices.as_slice())
+    }
+
+    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the side of ±x,
+    /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each side.
+    pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
+        let rotation = random_rotation(seed);
+        self.lobes.clear();
+        self.lobes.extend(directions.iter().map(|&d| rotation * d));
+        self.batch.clear();
+        self.batch.extend(self.lobes.iter().map(|&d| Ray::new(x, d)));
+        let (mut positive, mut negative) = (Vec3::ZERO, Vec3::ZERO);
+        for d in &self.lobes {
+            positive += d.max(Vec3::ZERO);
+            negative -= d.min(Vec3::ZERO);
+        }
+        let (positive, negative) = (PI / positive.max(Vec3::splat(1e-6)), PI / negative.max(Vec3::splat(1e-6)));
+        for d in &mut self.lobes {
+            *d *= Vec3::select(d.cmpge(Vec3::ZERO), positive, negative);
+        }
+        self.seeds.clear();
+        self.seeds.extend((0..directions.len() as u32).map(|i| hash(seed ^ hash(i))));
+        self.trace(scene, options);
+    }
+
+    /// Shoots `count` rays from each of some surfaces, in proportion to the cosine; other seeds give other rays. Lobes: π / count, in x.
+    pub(super) fn hemispheres(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        vertices: &[Vertex],
+        (count, seed, heights): (u32, u64, Heights),
+    ) {
+        self.lobes.clear();
+        self.lobes.resize(vertices.len() * count as usize, Vec3::X * (PI / count as f32));
+        self.batch.clear();
+        self.seeds.clear();
+        for vertex in vertices {
+            let seed = seed_of_surface(seed, vertex.position);
+            let (t, b) = basis(vertex.n);
+            for i in 0..count {
+                let height = match heights {
+                    Heights::Even => 0.5,
+                    Heights::Random => unit(hash(seed ^ hash(!i))),
+                };
+                let azimuth = unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
+                let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
+                let direction = t * local.x + b * local.y + vertex.n * local.z;
+                self.batch.push(Ray::new(vertex.origin_towards(direction), direction));
+                self.seeds.push(hash(seed ^ hash(i)));
+            }
+        }
+        self.trace(scene, options);
+    }
+
+    /// Follows every ray to a diffuse surface.
+    fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
+        self.hits.clear();
+        self.hits.resize(self.batch.len(), None);
+        scene.bvh().closest_batch(&self.batch, &mut self.hits);
+        self.rays += self.batch.len() as u64;
+        self.emitted.clear();
+        self.lit.vertices.clear();
+        for i in 0..self.batch.len() {
+            if let Some(hit) = self.hits[i] {
+                self.follow(scene, options, i as u32, hit, self.seeds[i]);
+            }
+        }
+    }
+
+    /// From the first hit through layers, mirrors and glass to a diffuse surface: one way is chosen at each, in proportion to
+    /// what it carries.
+    fn follow(&mut self, scene: &Scene, options: &RenderOptions, number: u32, hit: Hit, seed: u32) {
+        let (mut ray, mut hit, mut beta, mut dice) = (self.batch[number as usize], hit, Vec3::ONE, seed);
+        let (mut depth, mut layers) = (0, 0);
+        loop {
+            let surface = evaluate(scene, &ray, &hit);
+            dice = hash(dice);
+            if surface.coverage < 1.0 && unit(dice) >= surface.coverage {
+                layers += 1;
+                if layers > MAX_LAYERS {
+                    return;
+                }
+                ray.t_min = hit.t;
+            } else {
+                layers = 0;
+                if surface.lights != Vec3::ZERO && scene.is_gathered(hit.target) {
+                    self.emitted.push((number, beta * surface.lights));
+                }
+                let specular = if depth < options.depth { 1.0 } else { 0.0 };
+                let ways = [surface.diffuse, surface.mirror * specular, surface.refraction * specular];
+                let shares = ways.map(Vec3::max_element);
+                let total: f32 = shares.iter().sum();
+                if total <= 0.0 {
+                    return;
+                }
+                dice = hash(dice);
+                let u = unit(dice) * total;
+                let way = if u < shares[0] {
+                    0
+                } else if u < shares[0] + shares[1] || shares[2] == 0.0 {
+                    1
+                } else {
+                    2
+                };
+                if way == 0 {
+                    self.lit.vertices.push(surface.vertex(beta * (total / shares[0]), number));
+                    return;
+                }
+                beta *= ways[way] * (total / shares[way]);
+                depth += 1;
+                ray = surface.leave(if way == 1 { surface.mirrored(ray.direction) } else { surface.refracted });
+            }
+            self.rays += 1;
+            let Some(next) = scene.bvh().closest(&ray) else { return };
+            hit = next;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss it by
+    /// 18% (one standard deviation).
+    #[test]
+    fn directions_are_even() {
+        let directions = sphere_directions(64);
+        for seed in 0..50 {
+            let n = random_rotation(hash(seed)) * Vec3::Z;
+            let sum: f32 = directions.iter().map(|d| d.dot(n).max(0.0) * 4.0 * PI / 64.0).sum();
+            assert!((sum / PI - 1.0).abs() < 0.02, "{sum}");
+        }
+    }
+
+    /// A random rotation takes any vector to a uniform direction: χ² over 8 × 8 cells of equal area in
+    /// cos θ and φ, 63 degrees of freedom: P(χ² > 113.5) < 1e-4.
+    #[test]
+    fn rotations_are_uniform_and_proper() {
+        let mut cells = [0_u32; 64];
+        let n = 20_000;
+        for i in 0..n {
+            let m = random_rotation(hash(i));
+            assert!((m.determinant() - 1.0).abs() < 1e-5);
+            let d = m * Vec3::new(0.36, 0.48, 0.8);
+            let phi = libm::atan2f(d.y, d.x) / TAU + 0.5;
+            cells[((d.z + 1.0) * 4.0).min(7.0) as usize * 8 + (phi * 8.0).min(7.0) as usize] += 1;
+        }
+        let expected = f64::from(n) / 64.0;
+        let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+        assert!(chi2 < 113.5, "χ² = {chi2}");
+    }
+}

@@ -1,0 +1,12 @@
+//! Indirect light: formula (4) at mesh points, bounce by bounce, and formula (6) over them.
+
+mod bounce;
+mod control_variate;
+mod field;
+mod final_gather;
+mod gather;
+
+pub(crate) use bounce::{Gathered, POINTS_AT_ONCE};
+pub(crate) use control_variate::Paths;
+pub(crate) use field::{IndirectField, IndirectReading};
+pub(crate) use gather::{Gather, sphere_directions};

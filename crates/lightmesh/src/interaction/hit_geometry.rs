@@ -1,0 +1,191 @@
+//! Where a ray hit, before the material is looked up: position, normals, texture coordinates, tangents.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use crate::Instance;
+use crate::bvh::{Hit, Target};
+use crate::geometry::{Ray, TriangleMesh};
+use crate::scene::Footprint;
+use crate::world::Scene;
+
+/// The geometry of a hit, in world space.
+pub(super) struct Place<'a> {
+    pub position: Vec3,
+    /// Unit geometric normal, on the viewer's side.
+    pub ng: Vec3,
+    /// Unit interpolated normal, on the same side.
+    pub n: Vec3,
+    /// The largest coordinate of the object, metres.
+    pub extent: f32,
+    /// Whether the ray met the front side.
+    pub front: bool,
+    /// Texture coordinates of both sets.
+    pub uvs: [Vec2; 2],
+    /// The part of the textures that is seen, in both sets.
+    pub footprints: [Footprint; 2],
+    /// Linear RGBA of the vertices.
+    pub color: Vec4,
+    /// Index of the material.
+    pub material: usize,
+    /// Tangent and bitangent for the normal map, if there is one.
+    pub tangents: Option<(Vec3, Vec3)>,
+    /// What was hit, if it is a triangle.
+    pub triangle: Option<PlacedTriangle<'a>>,
+}
+
+/// A triangle in world space.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedTriangle<'a> {
+    pub mesh: &'a TriangleMesh,
+    /// The numbers of its corners.
+    pub corners: [usize; 3],
+    /// From the first corner to the others, metres.
+    pub edges: [Vec3; 2],
+    /// Their cross product.
+    pub normal: Vec3,
+}
+
+/// `n`, turned to the side of `reference`.
+pub(crate) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
+    if n.dot(reference) < 0.0 { -n } else { n }
+}
+
+/// Evaluates the geometry that `ray` hit; footprints are left out.
+pub(super) fn locate<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> Place<'a> {
+    match hit.target {
+        Target::Triangle { instance, triangle } => locate_triangle(scene, ray, hit, instance, triangle),
+        Target::Sphere(i) => {
+            let sphere = &scene.data().spheres[i as usize];
+            // Back onto the surface: o + t·d is off by the rounding of t.
+            let position = sphere.center + sphere.normal(ray.at(hit.t)) * sphere.radius;
+            let extent = sphere.center.abs().max_element() + sphere.radius;
+            locate_smooth(ray, position, sphere.normal(position), sphere.uv(position), extent, sphere.material)
+        }
+        Target::Shape(i) => {
+            let entry = &scene.data().shapes[i as usize];
+            let position = ray.at(hit.t);
+            let bounds = entry.shape.bounds();
+            let extent = bounds.min.abs().max(bounds.max.abs()).max_element().max(ray.origin.abs().max_element());
+            let (n, uv) = (entry.shape.normal(position), entry.shape.uv(position));
+            locate_smooth(ray, position, n, uv, extent, entry.material)
+        }
+    }
+}
+
+/// A sphere or user-defined shape: the normal is exact, so it is geometric and shading normal in one.
+fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32, material: usize) -> Place<'static> {
+    let front = outward.dot(ray.direction) < 0.0;
+    let n = if front { outward } else { -outward };
+    Place {
+        position,
+        ng: n,
+        n,
+        extent,
+        front,
+        uvs: [uv; 2],
+        footprints: [Footprint::POINT; 2],
+        color: Vec4::ONE,
+        material,
+        tangents: None,
+        triangle: None,
+    }
+}
+
+fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> Place<'a> {
+    let placed = &scene.data().instances[instance as usize];
+    let mesh = &scene.data().meshes[placed.mesh];
+    let frame = scene.frame(instance);
+    let corners = mesh.triangles[triangle as usize].map(|i| i as usize);
+    let b = [1.0 - hit.u - hit.v, hit.u, hit.v];
+
+    // The point from the corners: closer to the surface than o + t·d is.
+    let mut p = corners.map(|i| mesh.positions[i]);
+    if !frame.is_identity {
+        p = p.map(|p| placed.world_from_object.transform_point3(p));
+    }
+    let position = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
+    let extent = p[0].abs().max(p[1].abs()).max(p[2].abs()).max_element();
+    let edges = [p[1] - p[0], p[2] - p[0]];
+    let normal = edges[0].cross(edges[1]);
+    let outward = (normal * frame.handedness).try_normalize().unwrap_or_else(|| -ray.direction.normalize());
+    let front = outward.dot(ray.direction) < 0.0;
+    let ng = if front { outward } else { -outward };
+
+    let n = if mesh.normals.is_empty() {
+        ng
+    } else {
+        let object =
+            mesh.normals[corners[0]] * b[0] + mesh.normals[corners[1]] * b[1] + mesh.normals[corners[2]] * b[2];
+        facing((frame.normal_from_object * object * frame.handedness).normalize_or(ng), -ray.direction)
+    };
+    let color = if mesh.colors.is_empty() {
+        Vec4::ONE
+    } else {
+        mesh.colors[corners[0]] * b[0] + mesh.colors[corners[1]] * b[1] + mesh.colors[corners[2]] * b[2]
+    };
+    let uvs = [0, 1].map(|set| interpolate(&mesh.uvs[set], corners, b));
+    let mut place = Place {
+        position,
+        ng,
+        n,
+        extent,
+        front,
+        uvs,
+        footprints: [Footprint::POINT; 2],
+        color,
+        material: mesh.material,
+        tangents: None,
+        triangle: Some(PlacedTriangle { mesh, corners, edges, normal }),
+    };
+    if let Some(map) = scene.data().materials[mesh.material].normal_texture {
+        let outward = if front { n } else { -n };
+        let frame = if mesh.tangents.is_empty() {
+            tangents_from_uvs(p, &mesh.uvs[map.uv_set], corners, outward)
+        } else {
+            tangents_from_mesh(mesh, corners, b, placed, outward)
+        };
+        // Seen from behind, the whole frame is turned over (glTF 2.0 §3.9.6).
+        place.tangents = frame.map(|(t, b)| if front { (t, b) } else { (-t, -b) });
+    }
+    place
+}
+
+fn interpolate(values: &[Vec2], corners: [usize; 3], b: [f32; 3]) -> Vec2 {
+    if values.is_empty() {
+        return Vec2::ZERO;
+    }
+    values[corners[0]] * b[0] + values[corners[1]] * b[1] + values[corners[2]] * b[2]
+}
+
+/// The mesh's own tangents: bitangent = (n × t) · w.
+fn tangents_from_mesh(
+    mesh: &TriangleMesh,
+    corners: [usize; 3],
+    b: [f32; 3],
+    placed: &Instance,
+    outward: Vec3,
+) -> Option<(Vec3, Vec3)> {
+    let t = mesh.tangents[corners[0]] * b[0] + mesh.tangents[corners[1]] * b[1] + mesh.tangents[corners[2]] * b[2];
+    let mirrored = placed.world_from_object.matrix3.determinant() < 0.0;
+    let sign = if mirrored { -t.w } else { t.w };
+    orthogonal(placed.world_from_object.transform_vector3(t.truncate()), outward, sign)
+}
+
+/// The directions in which u grows and v falls (normal maps have y up, v points down), from a triangle's corners `p`:
+/// edge = Δu ∂P/∂u + Δv ∂P/∂v, solved for ∂P/∂u.
+fn tangents_from_uvs(p: [Vec3; 3], uvs: &[Vec2], corners: [usize; 3], outward: Vec3) -> Option<(Vec3, Vec3)> {
+    let [a, b, c] = corners.map(|i| uvs.get(i).copied());
+    let (e1, e2) = (b? - a?, c? - a?);
+    let determinant = e1.perp_dot(e2);
+    let tangent = ((p[1] - p[0]) * e2.y - (p[2] - p[0]) * e1.y) * determinant.signum();
+    // ∂P/∂u × ∂P/∂v points along the triangle's own normal where the determinant is positive.
+    let own_normal = (p[1] - p[0]).cross(p[2] - p[0]);
+    let agrees = (determinant > 0.0) == (own_normal.dot(outward) > 0.0);
+    orthogonal(tangent, outward, if agrees { -1.0 } else { 1.0 })
+}
+
+/// `tangent` made orthogonal to the normal, and the bitangent on the side that `sign` says.
+fn orthogonal(tangent: Vec3, normal: Vec3, sign: f32) -> Option<(Vec3, Vec3)> {
+    let tangent = (tangent - normal * normal.dot(tangent)).try_normalize()?;
+    Some((tangent, normal.cross(tangent) * sign.signum()))
+}

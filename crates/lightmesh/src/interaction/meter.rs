@@ -1,0 +1,50 @@
+//! Meters: places where irradiance is measured, which no camera needs to look at.
+
+use glam::{DVec3, Vec3};
+
+use super::surface::Vertex;
+use crate::{Error, Scene};
+
+/// A place where irradiance is measured: on a surface, or in free space as on a work plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meter {
+    /// World space, metres.
+    pub position: Vec3,
+    /// Which way it faces, world space; any length above 0.
+    pub normal: Vec3,
+}
+
+impl Meter {
+    /// Bytes of a meter's results.
+    pub(crate) const BYTES: u64 = 2 * size_of::<Vec3>() as u64;
+
+    /// The unit normal.
+    pub(crate) fn direction(&self) -> Vec3 {
+        // In double precision, short normals do not vanish when they are squared.
+        self.normal.as_dvec3().normalize_or(DVec3::Y).as_vec3()
+    }
+
+    /// Says what is wrong with the `index`-th of a list.
+    pub(crate) fn check(&self, index: usize) -> Result<(), Error> {
+        let Self { position, normal } = self;
+        let what = if !position.is_finite() {
+            format!("the position {position} is not finite")
+        } else if !normal.is_finite() {
+            format!("the normal {normal} is not finite")
+        } else if *normal == Vec3::ZERO {
+            "the normal is zero: it must say which way the meter faces".into()
+        } else {
+            return Ok(());
+        };
+        Err(Error::InvalidMeter { index, what })
+    }
+
+    /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
+    /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
+    pub(crate) fn vertex(&self, scene: &Scene) -> Vertex {
+        let bounds = scene.bounds();
+        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let n = self.direction();
+        Vertex { position: self.position, n, ng: n, extent, weight: Vec3::ONE, pixel: 0 }
+    }
+}

@@ -1,0 +1,11 @@
+//! What a ray meets: the geometry of a hit, the surface there, and what lies between two points.
+
+mod hit_geometry;
+mod meter;
+mod ray_footprint;
+mod surface;
+pub(crate) mod transmittance;
+
+pub use meter::Meter;
+pub(crate) use surface::{MAX_LAYERS, Surface, Vertex, evaluate, evaluate_seen, is_back_face, is_solid};
+pub(crate) use transmittance::{VisibilityScratch, visibility};

@@ -1,0 +1,78 @@
+//! The lights as they are seen from one place: every sample, or a cut through many of them with a shadow ray for each of its nodes.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::samples::LightSamples;
+use super::tree::LightTree;
+use super::tree::bound::Receivers;
+use super::tree::cut::{Refinement, Tolerance};
+use crate::Falloff;
+use crate::geometry::Ray;
+use crate::sampling::hash;
+
+/// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the noise and the time of 0 to
+/// 0.4.
+const SHADOWS: f32 = 0.3;
+
+/// Lights and the shadow rays to them; buffers are kept from place to place.
+#[derive(Debug)]
+pub(crate) struct LightsAt<'a> {
+    samples: &'a LightSamples,
+    tree: Option<(&'a LightTree, Tolerance)>,
+    refinement: Refinement,
+    cut: Vec<u32>,
+    clusters: LightSamples,
+    /// By lane of `clusters`: the node of the tree.
+    nodes: Vec<u32>,
+    seed: u32,
+}
+
+impl<'a> LightsAt<'a> {
+    /// Every sample, wherever.
+    pub(crate) fn every(samples: &'a LightSamples) -> Self {
+        Self {
+            samples,
+            tree: None,
+            refinement: Refinement::default(),
+            cut: Vec::new(),
+            clusters: LightSamples::default(),
+            nodes: Vec::new(),
+            seed: 0,
+        }
+    }
+
+    /// Cuts through the tree over `samples`, to the part `error` of the light.
+    pub(crate) fn cut(samples: &'a LightSamples, tree: &'a LightTree, error: f32) -> Self {
+        Self { tree: Some((tree, Tolerance { error, shadows: SHADOWS })), ..Self::every(samples) }
+    }
+
+    /// Looks from a place.
+    pub(crate) fn look_from(&mut self, x: Vec3, falloff: Falloff) {
+        let Some((tree, tolerance)) = self.tree else { return };
+        tree.cut(&Receivers::at(x), falloff, tolerance, &mut self.refinement, &mut self.cut);
+        tree.pack(&self.cut, &mut self.clusters, &mut self.nodes);
+        self.seed = x.to_array().into_iter().fold(0, |seed, c| hash(seed ^ c.to_bits()));
+    }
+
+    /// The lights that are seen from there.
+    pub(crate) fn lights(&self) -> &LightSamples {
+        if self.tree.is_some() { &self.clusters } else { self.samples }
+    }
+
+    /// The lights of the tree that a lane stands for, in the order of its leaves; all of them where there is no tree.
+    pub(crate) fn leaves(&self, lane: usize) -> Range<u32> {
+        self.tree.map_or(0..self.samples.len() as u32, |(tree, _)| tree.leaves(self.nodes[lane]))
+    }
+
+    /// The shadow ray from a point at or near the place to a lane's light: of a cluster, to one of its samples, chosen in proportion to
+    /// their strength. Neighbouring places choose differently: the mean over them sees the whole cluster. (Eighths of each
+    /// cluster for the eight points around a cell had as much noise.)
+    pub(crate) fn shadow_ray(&self, lane: usize, from: Vec3) -> Ray {
+        let Some((tree, _)) = self.tree else { return self.samples.shadow_ray(lane, from) };
+        let node = self.nodes[lane];
+        let u = (hash(self.seed ^ hash(node)) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+        self.samples.shadow_ray(tree.representative(node, u), from)
+    }
+}

@@ -1,0 +1,35 @@
+//! The eight corners of a cell: corner k is the lower one plus bit 0 of k in x, bit 1 in y and bit 2 in z.
+
+use glam::{UVec3, Vec4};
+
+use super::lattice::Coordinate;
+
+/// A number per corner: four with the lower z, four with the upper.
+pub(crate) type ByCorner = [Vec4; 2];
+
+/// 1 for each bit that is set.
+pub(crate) const ONES: [Vec4; 16] = {
+    let mut ones = [Vec4::ZERO; 16];
+    let mut i = 0;
+    while i < 16 {
+        ones[i] = Vec4::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32, (i >> 3 & 1) as f32);
+        i += 1;
+    }
+    ones
+};
+
+/// The places of the set bits, ascending.
+#[inline(always)]
+pub(crate) fn bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
+    std::iter::from_fn(move || {
+        let k = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (k < 8).then_some(k)
+    })
+}
+
+/// The coordinate of corner k of a cell.
+#[inline(always)]
+pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
+    cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)
+}

@@ -1,0 +1,251 @@
+//! The regular lattice: where mesh points are, and which brick holds them.
+//!
+//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point
+//! (i, j, k) is in brick (i / 8, j / 8, k / 8) at place `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has
+//! the index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
+//! 1 + 5 (0 + 3 · 2) = 31, at place 1 + 8 · 2 + 64 · 1 = 81.
+
+use glam::{DVec3, UVec3, Vec3};
+
+use super::bricks::Bricks;
+use crate::Error;
+use crate::geometry::Aabb;
+
+/// A lattice coordinate: every component below 2²⁹.
+pub(crate) type Coordinate = UVec3;
+
+/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
+/// planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰ cells lie along it.
+pub(super) const ON_SURFACE: f32 = 1.0 / 1024.0;
+
+/// Most cells along an axis: f32 positions then keep a hundredth of a cell (2⁻²⁴ · 2¹⁷ = 1/128).
+const MAX_CELLS: f64 = (1 << 17) as f64;
+
+/// The lattice of a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Lattice {
+    origin: Vec3,
+    spacing: f32,
+    inv_spacing: f32,
+    /// Points inside the scene's box.
+    inside: u64,
+    size: UVec3,
+    /// The lower corner of the last cell.
+    last: Vec3,
+    bricks: UVec3,
+}
+
+impl Lattice {
+    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
+    /// through points, and go on `reach` cells beyond on every side.
+    ///
+    /// # Errors
+    /// `option` names the spacing in messages.
+    pub(crate) fn new(
+        option: &'static str,
+        bounds: &Aabb,
+        spacing: f32,
+        reach: u32,
+        max_memory: u64,
+    ) -> Result<Self, Error> {
+        let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
+        let cells = inside + f64::from(2 * reach);
+        let bricks = (cells / 8.0).ceil();
+        let count = bricks.element_product();
+        let bytes = count * Bricks::BYTES_PER_TABLE_ENTRY as f64;
+        if bytes > max_memory as f64 || count >= f64::from(u32::MAX) {
+            return Err(Error::OutOfMemory {
+                what: "the light mesh's table of bricks",
+                needed_bytes: bytes as u64,
+                limit_bytes: max_memory,
+                advice: "choose a larger --spacing or --indirect-spacing",
+            });
+        }
+        if cells.max_element() > MAX_CELLS {
+            let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
+            return Err(Error::InvalidOption { option, what });
+        }
+        Ok(Self {
+            origin: bounds.min - (reach as f32 - 0.5) * spacing,
+            spacing,
+            inv_spacing: 1.0 / spacing,
+            inside: inside.as_u64vec3().element_product(),
+            size: (bricks * 8.0).as_uvec3(),
+            last: (bricks * 8.0 - 2.0).as_vec3(),
+            bricks: bricks.as_uvec3(),
+        })
+    }
+
+    pub(crate) fn spacing(&self) -> f32 {
+        self.spacing
+    }
+
+    /// 1 / spacing.
+    pub(super) fn inv_spacing(&self) -> f32 {
+        self.inv_spacing
+    }
+
+    pub(super) fn bricks(&self) -> UVec3 {
+        self.bricks
+    }
+
+    pub(super) fn brick_count(&self) -> usize {
+        self.bricks.as_u64vec3().element_product() as usize
+    }
+
+    /// Points inside the scene's box; the lattice goes on beyond it to whole bricks.
+    pub(super) fn point_count(&self) -> u64 {
+        self.inside
+    }
+
+    /// A point's position, metres.
+    pub(super) fn point(&self, coordinate: Coordinate) -> Vec3 {
+        self.origin + coordinate.as_vec3() * self.spacing
+    }
+
+    /// The lower corner of the cell that holds `p`, and where in the cell p is, each component in [0, 1]; a point outside
+    /// counts as the nearest one inside.
+    #[inline(always)]
+    pub(crate) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
+        let (cell, x) = self.cell_and_place(p);
+        (cell, x.clamp(Vec3::ZERO, Vec3::ONE))
+    }
+
+    /// The same cell, and where p is from its lower corner, in spacings, also where that is outside the cell.
+    #[inline(always)]
+    pub(super) fn cell_and_place(&self, p: Vec3) -> (Coordinate, Vec3) {
+        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count to the upper
+        // side, as do those less than 1e-4 below it.
+        const ROUND: f32 = (3 << 22) as f32;
+        const HALF: f32 = 0.5 - 1e-4;
+        let x = (p - self.origin) * self.inv_spacing;
+        let rounded = x.clamp(Vec3::ZERO, self.last) - HALF + ROUND;
+        let cell = rounded.to_array().map(|c| c.to_bits() - ROUND.to_bits());
+        (UVec3::from_array(cell), x - (rounded - ROUND))
+    }
+
+    /// The lattice points between two positions, both included, clamped to the lattice.
+    pub(super) fn range(&self, min: Vec3, max: Vec3) -> (Coordinate, Coordinate) {
+        let last = (self.size - 1).as_vec3();
+        let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(Vec3::ZERO, last);
+        let high = ((max - self.origin) * self.inv_spacing).floor().clamp(Vec3::ZERO, last);
+        (low.as_uvec3(), high.as_uvec3())
+    }
+
+    /// Where its points may be.
+    pub(crate) fn shape(&self) -> LatticeShape {
+        LatticeShape { origin: self.origin.to_array(), spacing: self.spacing, size: self.size.to_array() }
+    }
+
+    /// The lattice points of a box, both ends included; `None` where there are none.
+    pub(crate) fn points_in(&self, bounds: &Aabb) -> Option<(Coordinate, Coordinate)> {
+        let low = ((bounds.min - self.origin) * self.inv_spacing).ceil().max(Vec3::ZERO);
+        let high = ((bounds.max - self.origin) * self.inv_spacing).floor().min((self.size - 1).as_vec3());
+        low.cmple(high).all().then(|| (low.as_uvec3(), high.as_uvec3()))
+    }
+
+    #[inline(always)]
+    pub(crate) fn brick_index(&self, brick: UVec3) -> usize {
+        (brick.x + self.bricks.x * brick.y) as usize + (self.bricks.x * self.bricks.y) as usize * brick.z as usize
+    }
+
+    /// The coordinate of a place in a brick.
+    pub(crate) fn coordinate(&self, brick_index: usize, local: usize) -> Coordinate {
+        let (i, l) = (brick_index as u32, local as u32);
+        let (bx, by) = (self.bricks.x, self.bricks.y);
+        let brick = UVec3::new(i % bx, i / bx % by, i / (bx * by));
+        brick * 8 + UVec3::new(l % 8, l / 8 % 8, l / 64)
+    }
+}
+
+/// The brick of a point and its place in it.
+#[inline(always)]
+pub(crate) fn split(coordinate: Coordinate) -> (UVec3, usize) {
+    let local = coordinate & 7;
+    (coordinate >> 3, (local.x + 8 * local.y + 64 * local.z) as usize)
+}
+
+/// Where the points of a level may be: point (i, j, k) at `origin + spacing · (i, j, k)`, i in 0..size\[0\] and so on. Computed in f32
+/// as written, component by component, this is the mesh's own position, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticeShape {
+    /// Point (0, 0, 0), metres.
+    pub origin: [f32; 3],
+    /// Distance between neighbours, metres.
+    pub spacing: f32,
+    /// Points along x, y and z.
+    pub size: [u32; 3],
+}
+
+impl LatticeShape {
+    /// The position of a point, metres.
+    pub fn position(&self, [i, j, k]: [u32; 3]) -> [f32; 3] {
+        let [x, y, z] = self.origin;
+        [x + self.spacing * i as f32, y + self.spacing * j as f32, z + self.spacing * k as f32]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lattice() -> Lattice {
+        let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(9.0, 4.0, 10.0) };
+        Lattice::new("spacing", &bounds, 0.25, 1, 1 << 30).expect("small")
+    }
+
+    /// The example of the module's documentation, on its own lattice, and back.
+    #[test]
+    fn bricks_and_places_follow_the_formula() {
+        let l = Lattice { bricks: UVec3::new(5, 3, 4), ..lattice() };
+        let (brick, local) = split(UVec3::new(9, 2, 17));
+        assert_eq!((l.brick_index(brick), local), (31, 81));
+        assert_eq!(l.coordinate(31, 81), UVec3::new(9, 2, 17));
+    }
+
+    /// 10 × 4 × 8 m at 0.25 m.
+    #[test]
+    fn the_box_holds_a_point_per_cell() {
+        assert_eq!(lattice().point_count(), 40 * 16 * 32);
+    }
+
+    #[test]
+    fn a_cell_holds_its_point() {
+        let l = lattice();
+        for p in [Vec3::new(0.1, 0.2, 3.3), Vec3::new(-1.0, 0.0, 2.0), Vec3::new(9.0, 4.0, 10.0)] {
+            let (base, frac) = l.cell(p);
+            assert!((l.point(base) + frac * 0.25 - p).length() < 1e-5);
+        }
+    }
+
+    /// Points are at −1.125, −0.875 … along x.
+    #[test]
+    fn a_box_is_clipped_to_the_lattice() {
+        let l = lattice();
+        let thin = Aabb { min: Vec3::new(-0.9, -9.0, 2.1), max: Vec3::new(-0.8, 0.2, 2.4) };
+        assert_eq!(l.points_in(&thin), Some((UVec3::new(1, 0, 1), UVec3::new(1, 1, 2))));
+        let between = Aabb { min: Vec3::new(-0.8, 0.0, 2.0), max: Vec3::new(-0.7, 4.0, 10.0) };
+        assert_eq!(l.points_in(&between), None);
+        let beyond = Aabb { min: Vec3::splat(20.0), max: Vec3::splat(30.0) };
+        assert_eq!(l.points_in(&beyond), None);
+        assert_eq!(l.points_in(&Aabb::EMPTY), None);
+        let all = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
+        assert_eq!(l.points_in(&all), Some((UVec3::ZERO, l.size - 1)));
+    }
+
+    #[test]
+    fn the_first_points_inside_stand_half_a_cell_off_the_walls() {
+        let l = lattice();
+        assert!((l.point(UVec3::ONE) - Vec3::new(-0.875, 0.125, 2.125)).length() < 1e-6);
+    }
+
+    #[test]
+    fn an_absurd_spacing_is_refused_before_anything_is_allocated() {
+        let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
+        let error = Lattice::new("spacing", &bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
+        assert!(error.to_string().contains("memory"), "{error}");
+        let wire = Aabb { min: Vec3::ZERO, max: Vec3::new(1e6, 1.0, 1.0) };
+        let error = Lattice::new("spacing", &wire, 1.0, 1, 4 << 30).expect_err("too long");
+        assert!(error.to_string().contains("spacing"), "{error}");
+    }
+}

@@ -1,0 +1,32 @@
+//! The mesh without its light: where points are, which of them a surface reads, and what stands between.
+
+mod ambient_cube;
+mod bricks;
+pub(crate) mod clearance;
+pub(crate) mod corners;
+pub(crate) mod lattice;
+pub(crate) mod marks;
+mod missing_corners;
+mod points;
+pub(crate) mod probe;
+mod read_result;
+mod reader;
+mod refinement;
+pub(crate) mod requests;
+mod stencil;
+mod usable;
+
+pub(crate) use ambient_cube::Axes;
+pub(crate) use bricks::Slot;
+pub(crate) use clearance::Clearance;
+pub(crate) use corners::{ByCorner, ONES, bits};
+pub use lattice::LatticeShape;
+pub(crate) use lattice::{Coordinate, Lattice};
+pub(crate) use marks::Marks;
+pub(crate) use points::{Address, Costs, Points};
+pub(crate) use probe::{PROBE_RAYS, probe};
+pub(crate) use read_result::{Known, Outcome, Sight};
+pub(crate) use reader::{Reader, choose};
+pub use requests::{BrickPoints, Wanted};
+pub(crate) use stencil::Neighbourhood;
+pub(crate) use usable::usable_part;

@@ -1,0 +1,267 @@
+//! The points of one mesh: where they are, which are known, and what each sees of its neighbours. Values are kept by the
+//! fields, under the same index.
+
+use std::collections::HashSet;
+
+use glam::Vec3;
+
+use super::bricks::{Bricks, Slot};
+use super::clearance::Clearance;
+use super::lattice::{self, Coordinate, Lattice};
+use super::marks::Marks;
+use super::read_result::Sight;
+use super::reader::Reader;
+use super::refinement::Level;
+use super::stencil::{Neighbourhood, trilinear};
+use crate::interaction::Vertex;
+use crate::{Error, MeshStats, Scene};
+
+/// Where a mesh point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Address {
+    pub level: u32,
+    pub coordinate: Coordinate,
+}
+
+/// What points take, bytes each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Costs {
+    /// What the field keeps of a point.
+    pub kept: u64,
+    /// What it holds of a point only while that is being filled.
+    pub passing: u64,
+    /// Points that are being filled already.
+    pub pending: usize,
+}
+
+impl Costs {
+    /// Of points that are filled at once.
+    pub(crate) fn kept(kept: u64) -> Self {
+        Self { kept, passing: 0, pending: 0 }
+    }
+}
+
+/// Points of the lattices of all levels, filled as they are asked for; their indices are one sequence.
+#[derive(Debug)]
+pub(crate) struct Points {
+    /// The coarsest first.
+    levels: Vec<Level>,
+    pub(crate) neighbourhood: Neighbourhood,
+    /// By index of the filled point.
+    addresses: Vec<Address>,
+    clearances: Vec<Clearance>,
+    /// Where the points inside solids are.
+    invalid: Vec<Address>,
+}
+
+/// A point that was wanted: where, and what was found there; `None`: it is inside a solid.
+pub(super) type Probed = (Address, Option<Clearance>);
+
+impl Points {
+    /// `lattices` by level.
+    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood) -> Self {
+        let levels = lattices.into_iter().map(Level::new).collect();
+        Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
+    }
+
+    /// The same lattices without a point.
+    pub(crate) fn without_points(&self) -> Self {
+        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.neighbourhood)
+    }
+
+    /// Filled points, whose indices go from 0 up.
+    pub(crate) fn len(&self) -> usize {
+        self.addresses.len()
+    }
+
+    /// A level; 0 is the coarsest.
+    #[inline(always)]
+    pub(crate) fn level(&self, level: u32) -> &Level {
+        &self.levels[level as usize]
+    }
+
+    /// How many levels there may be.
+    pub(crate) fn level_count(&self) -> u32 {
+        self.levels.len() as u32
+    }
+
+    /// Where a point is, metres.
+    pub(crate) fn place(&self, address: Address) -> Vec3 {
+        self.level(address.level).lattice.point(address.coordinate)
+    }
+
+    /// Where a filled point is, metres.
+    pub(crate) fn position(&self, index: usize) -> Vec3 {
+        self.place(self.addresses[index])
+    }
+
+    /// Where the filled points are, metres, in the order in which they were filled.
+    pub(crate) fn valid_positions(&self) -> impl Iterator<Item = Vec3> {
+        self.addresses.iter().map(|&address| self.place(address))
+    }
+
+    /// Where the points are that were found inside solids, metres.
+    pub(crate) fn invalid_positions(&self) -> impl Iterator<Item = Vec3> {
+        self.invalid.iter().map(|&address| self.place(address))
+    }
+
+    pub(crate) fn invalid_addresses(&self) -> &[Address] {
+        &self.invalid
+    }
+
+    /// Distance between neighbours on the coarsest level, metres.
+    pub(crate) fn spacing(&self) -> f32 {
+        self.levels[0].lattice.spacing()
+    }
+
+    pub(crate) fn address(&self, index: usize) -> Address {
+        self.addresses[index]
+    }
+
+    pub(crate) fn clearance(&self, index: u32) -> Clearance {
+        self.clearances[index as usize]
+    }
+
+    pub(crate) fn mark(&self, address: Address, marks: &Marks) {
+        let (brick, local) = lattice::split(address.coordinate);
+        marks.set(address.level, self.level(address.level).lattice.brick_index(brick), local);
+    }
+
+    /// No marks yet.
+    pub(crate) fn marks(&self) -> Marks {
+        Marks::new(self.levels.iter().map(|level| level.lattice.brick_count()))
+    }
+
+    /// A reader for one thread.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> Reader<'a> {
+        Reader::new(scene, self, sight)
+    }
+
+    /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[Vertex], marks: &Marks, sight: Sight) {
+        let mut reader = self.reader(scene, Sight::Unchecked { finer: sight != Sight::One });
+        vertices.iter().for_each(|vertex| {
+            reader.read(vertex, marks, |_, _| {});
+        });
+    }
+
+    /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
+    pub(crate) fn cell(&self, vertex: &Vertex) -> (u32, Coordinate) {
+        let mut at = 0;
+        loop {
+            let level = self.level(at);
+            let stencil = trilinear(&level.lattice, vertex);
+            let refined = level.refined(stencil.cell) & stencil.read;
+            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || at + 1 == self.level_count() {
+                return (at, stencil.cell);
+            }
+            at += 1;
+        }
+    }
+
+    /// Lets the next level take over in a cell. There must be one.
+    pub(crate) fn refine(&mut self, level: u32, cell: Coordinate) {
+        self.levels[level as usize].refine(cell);
+    }
+
+    /// Lets each level take over from the one before in a ball about the eye: from the first nearer than `metres`, from each that
+    /// follows nearer than half as much. Ends where the cells that `seen` surface points have in the balls would be more than `most`.
+    pub(crate) fn grade(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
+        let (mut cells, mut radius) = (0, metres);
+        for level in 0..self.levels.len() - 1 {
+            let lattice = &self.levels[level].lattice;
+            let near = seen.iter().filter(|p| p.distance_squared(eye) < radius * radius);
+            cells += near.map(|&p| lattice.cell(p).0.to_array()).collect::<HashSet<_>>().len() as u64;
+            if cells > most {
+                return;
+            }
+            self.levels[level].refine_near(eye, radius);
+            radius *= 0.5;
+        }
+    }
+
+    /// Takes all refinement back; points that are filled stay so.
+    pub(crate) fn coarsen(&mut self) {
+        self.levels.iter_mut().for_each(Level::coarsen);
+    }
+
+    /// The marked points in brick order; clears the marks.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
+    pub(crate) fn take(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
+        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
+        for (level, marks) in (0..).zip(marks.levels()) {
+            let Level { lattice, bricks, .. } = self.level(level);
+            let (places, new) = marks.take(bricks);
+            let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
+            wanted.extend(places.into_iter().map(address));
+            new_bricks += new;
+        }
+        self.check_memory(wanted.len(), new_bricks, costs, limit)?;
+        Ok(wanted)
+    }
+
+    /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
+    pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
+        let points = (self.len() + new) as u64;
+        // A growing vector may hold twice its contents for a moment.
+        let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);
+        let passing = ((costs.pending + new) as u64).saturating_mul(costs.passing);
+        let needed = (self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK)
+            .saturating_add(points.saturating_mul(bytes))
+            .saturating_add(passing);
+        if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
+            return Err(Error::OutOfMemory {
+                what: "the light mesh",
+                needed_bytes: needed,
+                limit_bytes: limit,
+                advice: "choose a larger --spacing or --indirect-spacing",
+            });
+        }
+        Ok(())
+    }
+
+    pub(crate) const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
+
+    fn brick_bytes(&self) -> u64 {
+        self.levels.iter().map(|level| level.bricks.bytes()).sum()
+    }
+
+    /// Stores a point; a valid one gets the next index.
+    pub(crate) fn insert(&mut self, (address, clearance): Probed) {
+        let slot = match clearance {
+            Some(clearance) => {
+                self.addresses.push(address);
+                self.clearances.push(clearance);
+                Slot::Filled(self.addresses.len() as u32 - 1)
+            }
+            None => {
+                self.invalid.push(address);
+                Slot::Invalid
+            }
+        };
+        self.levels[address.level as usize].set(address.coordinate, slot);
+    }
+
+    /// Takes the points from index `first` on back: they are empty again.
+    pub(crate) fn forget(&mut self, first: usize) {
+        for address in self.addresses.drain(first..) {
+            self.levels[address.level as usize].set(address.coordinate, Slot::Empty);
+        }
+        self.clearances.truncate(first);
+    }
+
+    /// Points so far, and the memory of them and of `value_bytes` of values.
+    pub(crate) fn stats(&self, value_bytes: u64) -> MeshStats {
+        let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > 0).count();
+        MeshStats {
+            spacing_m: f64::from(self.spacing()),
+            points_used: (self.len() + self.invalid.len()) as u64,
+            points_refined: refined as u64,
+            points_total: self.levels[0].lattice.point_count(),
+            points_invalid: self.invalid.len() as u64,
+            bytes: self.brick_bytes() + self.len() as u64 * Self::BYTES_PER_POINT + value_bytes,
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What surrounds a mesh point: whether it is inside a solid, and how much room it has.
+
+use glam::Vec3;
+
+use super::clearance::Clearance;
+use super::lattice::ON_SURFACE;
+use crate::geometry::Ray;
+use crate::interaction::{is_back_face, is_solid};
+use crate::world::Scene;
+/// Where a point looks to find out whether it is inside a solid: six directions of a cube turned off the axes, along which
+/// architecture has its edges.
+const INSIDE: [Vec3; 6] = [
+    Vec3::new(0.8, 0.36, 0.48),
+    Vec3::new(-0.8, -0.36, -0.48),
+    Vec3::new(-0.6, 0.48, 0.64),
+    Vec3::new(0.6, -0.48, -0.64),
+    Vec3::new(0.0, 0.8, -0.6),
+    Vec3::new(0.0, -0.8, 0.6),
+];
+
+/// Towards the neighbours, in the order of [`Clearance`].
+const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
+
+/// Rays that [`probe`] shoots.
+pub(crate) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
+
+/// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a surface.
+pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
+    if is_inside(scene, x, ON_SURFACE * spacing) {
+        return None;
+    }
+    Some(Clearance::new(SIDES.map(|side| {
+        let mut ray = Ray { t_max: 1.0, ..Ray::new(x, side * spacing) };
+        // Glass does not part what it lies between.
+        loop {
+            let hit = scene.bvh().closest(&ray)?;
+            if scene.all_solid() || is_solid(scene, &hit) {
+                return Some(hit.t);
+            }
+            ray.t_min = hit.t;
+        }
+    })))
+}
+
+/// Whether most of what the point sees are back faces of one-sided surfaces, or it lies on a surface, no farther than `near` metres
+/// from it.
+fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
+    let (mut back, mut front) = (0, 0);
+    for direction in INSIDE {
+        let mut ray = Ray::new(x - direction * near, direction);
+        if 2 * front >= INSIDE.len() || scene.all_double_sided() {
+            // It is not inside anything, but it may be on a surface.
+            ray.t_max = 2.0 * near;
+        }
+        if let Some(hit) = scene.bvh().closest(&ray) {
+            if hit.t < 2.0 * near {
+                return true;
+            }
+            if is_back_face(scene, &ray, &hit) { back += 1 } else { front += 1 }
+        }
+    }
+    back > front && (front == 0 || back >= INSIDE.len() / 2)
+}
+
+/// Whether nothing solid stands on the open segment that is `ray`.
+pub(super) fn sees(scene: &Scene, ray: &Ray) -> bool {
+    if scene.all_solid() { !scene.bvh().occluded(ray) } else { !scene.bvh().any_hit(ray, |hit| is_solid(scene, hit)) }
+}

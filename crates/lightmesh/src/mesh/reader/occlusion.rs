@@ -1,0 +1,106 @@
+//! Which corners of its cell a surface point sees, where clearances do not tell.
+
+use super::super::clearance::piece;
+use super::super::corners::{bits, corner};
+use super::super::probe::sees;
+use super::super::read_result::Sight;
+use super::super::stencil::Stencil;
+use super::Reader;
+use crate::geometry::Ray;
+use crate::interaction::Vertex;
+use crate::sampling::{hash, seed_of_place};
+
+impl Reader<'_> {
+    /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
+    #[cold]
+    pub(super) fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+        match self.sight {
+            Sight::Every => {
+                let seen = self.look_by_pieces(vertex, stencil, usable, parted);
+                if seen != 0 { seen } else { self.look_at_each(vertex, usable) }
+            }
+            Sight::One => self.look_for_one(vertex, stencil, usable),
+            Sight::Unchecked { .. } => usable,
+        }
+    }
+
+    /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
+    /// there is but one piece and nothing of it is hidden.
+    fn look_by_pieces(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+        let mut seen = self.look_at_each(vertex, parted);
+        let mut rest = usable;
+        while rest != 0 {
+            let piece = piece(&self.links, rest);
+            rest &= !piece;
+            let together = piece & !parted;
+            let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
+            let Some(heaviest) = bits(together).max_by(heavier) else { continue };
+            let trusted = piece == usable && parted & !seen == 0;
+            if trusted || self.sees(vertex, heaviest) {
+                seen |= together;
+            }
+        }
+        seen
+    }
+
+    pub(super) fn look_at_each(&mut self, vertex: &Vertex, corners: u8) -> u8 {
+        bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
+    }
+
+    /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
+    fn look_for_one(&mut self, vertex: &Vertex, stencil: &Stencil, mut corners: u8) -> u8 {
+        let mut seed = seed_of_place(vertex.position);
+        while corners != 0 {
+            let k = choose(bits(corners).map(|k| (k, stencil.weight(k))), seed);
+            if self.sees(vertex, k) {
+                return 1 << k;
+            }
+            corners &= !(1 << k);
+            seed = hash(seed);
+        }
+        0
+    }
+
+    /// Whether nothing stands between the vertex and corner k.
+    fn sees(&mut self, vertex: &Vertex, k: usize) -> bool {
+        self.sight_rays += 1;
+        let point = self.level.lattice.point(corner(self.cell, k));
+        sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
+    }
+}
+
+/// One of the weighted things, of which there is at least one, in proportion to their weights.
+pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, seed: u32) -> T {
+    let u = (hash(seed) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    let mut rest = u * weighted.clone().map(|(_, weight)| weight).sum::<f32>();
+    let mut last = None;
+    for (thing, weight) in weighted {
+        last = Some(thing);
+        rest -= weight;
+        if rest < 0.0 {
+            break;
+        }
+    }
+    last.expect("at least one")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; what weighs nothing never comes.
+    #[test]
+    fn choices_come_in_proportion_to_their_weights() {
+        let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
+        let (mut counts, n) = ([0_u32; 6], 20_000_u32);
+        for i in 0..n {
+            counts[choose(weights.iter().copied().enumerate(), i)] += 1;
+        }
+        let mut chi2 = 0.0;
+        for (&count, &weight) in counts.iter().zip(&weights) {
+            let expected = f64::from(weight) / 11.0 * f64::from(n);
+            if weight == 0.0 { assert_eq!(count, 0) } else { chi2 += (f64::from(count) - expected).powi(2) / expected }
+        }
+        assert!(chi2 < 23.5, "χ² = {chi2}");
+    }
+}

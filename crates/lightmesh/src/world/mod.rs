@@ -1,0 +1,5 @@
+//! The scene that is rendered: its description, checked, with what is built from it.
+
+mod scene;
+
+pub use scene::Scene;
