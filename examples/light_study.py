@@ -1,14 +1,14 @@
 # %% [markdown]
 # # Is there enough light to work by?
 #
-# An office of 7.2 m x 5.4 m x 2.8 m with eight opal globes is built from arrays. We ask for the illuminance on the
-# work plane, 0.85 m above the floor, as EN 12464-1 has it: its average, its least value and the uniformity U0, with
-# the light that surfaces reflect and without. Then we check what we got: against the closed form of a point light,
-# and against the path tracer.
+# This study builds an office of 7.2 m x 5.4 m x 2.8 m with eight opal globes from arrays. It computes the illuminance on
+# the work plane, 0.85 m above the floor, as EN 12464-1 defines it: average, minimum and uniformity U0, with and without
+# the light that surfaces reflect. Then it checks the result twice: against the closed form of a point light, and
+# against the path tracer.
 #
 #     python examples/light_study.py --out examples/out
 #
-# Runs as a script, and cell by cell in Jupyter or VS Code. Needs `pip install 'lightmesh[plot]'`.
+# Run it as a script, or cell by cell in Jupyter or VS Code. It needs `pip install '.[plot]'`, in the repository.
 
 # %%
 import argparse
@@ -32,32 +32,32 @@ Floats = NDArray[numpy.float64]
 parser = argparse.ArgumentParser(description="Illuminance on the work plane of an office.")
 parser.add_argument("--out", type=Path, default=Path("examples/out"), help="folder for figures (default: examples/out)")
 parser.add_argument("--quick", action="store_true", help="coarse and fast, to see that it runs")
-# A notebook has arguments of its own.
+# parse_known_args, because a notebook passes arguments of its own.
 options = parser.parse_known_args()[0]
 options.out.mkdir(parents=True, exist_ok=True)
 
 # %% [markdown]
 # ## The room
 #
-# Y is up, the floor's corner is the origin, lengths are metres. Reflectances are the usual ones of a light study:
-# ceiling 0.7, walls 0.5, floor 0.2 (oak). Everything is Lambertian (`specular=0`).
+# Y is up, the origin is a corner of the floor, lengths are metres. Reflectances are the usual ones of a light study:
+# ceiling 0.7, walls 0.5, floor 0.2 (oak). All surfaces are Lambertian (`specular=0`).
 #
-# The lamps are opal globes of 20 cm that shine alike in every direction: a flux F (lm) is an intensity I = F / 4 pi
-# (cd). They are point lights with a radius (`light_radius`), which gives soft shadows.
+# The lamps are opal globes of 20 cm with the same intensity in every direction: a flux F (lm) is an intensity
+# I = F / 4 pi (cd). They are point lights with a radius (`light_radius`), which gives soft shadows.
 
 # %%
 WIDTH, DEPTH, HEIGHT = 7.2, 5.4, 2.8
 FLUX_LM = 4400.0
-#: Sixteen samples for each lamp.
+#: Sixteen light samples per lamp.
 GLOBES: Any = {"light_radius": 0.1, "light_samples": 16}
 LAMPS = numpy.array([[x, 2.3, z] for z in (1.35, 4.05) for x in (0.9, 2.7, 4.5, 6.3)])
 
-#: The corners of a box and its twelve triangles, whose front is outside.
+#: The corners of a box, and its twelve triangles with their front outside.
 CORNERS = numpy.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 SIDES = numpy.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 TRIANGLES = SIDES[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
-#: Least and largest corner, colour.
+#: Lower corner, upper corner, colour.
 DESK, SHELF, SCREEN = (0.55, 0.38, 0.22), (0.45, 0.47, 0.5), (0.18, 0.35, 0.55)
 FURNITURE: list[tuple[Sequence[float], Sequence[float], Sequence[float]]] = [
     *[((x, 0.68, z), (x + 1.6, 0.72, z + 0.8), DESK) for x in (0.9, 2.9) for z in (0.95, 3.65)],
@@ -74,13 +74,13 @@ def box(scene: Scene, low: Sequence[float], high: Sequence[float], colour: Any) 
 
 
 def office() -> Scene:
-    """The room and its furniture, in the dark."""
+    """The room and its furniture, without lamps."""
     scene = Scene()
     room = CORNERS * (WIDTH, HEIGHT, DEPTH)
-    # Of the luminance 0.2.
+    # Its luminance is 0.2.
     oak = (0.28, 0.19, 0.13)
     for reflectance, sides in ((0.5, SIDES[[0, 1, 4, 5]]), (oak, SIDES[[2]]), (0.7, SIDES[[3]])):
-        # We are inside of this box: its triangles are turned over.
+        # The room is the inside of this box, so its triangles face inward.
         triangles = sides[:, [2, 1, 0, 3, 2, 0]].reshape(-1, 3)
         scene.add_mesh(room, triangles, material=Material(base_color=reflectance, specular=0.0))
     for low, high, colour in FURNITURE:
@@ -97,9 +97,9 @@ print(f"{len(LAMPS)} lamps of {FLUX_LM:.0f} lm, {intensity:.1f} cd in every dire
 # %% [markdown]
 # ## Where to measure
 #
-# EN 12464-1 (2021, the clause on the illuminance grid) asks for a grid whose points are no further apart than p = 0.2
-# x 5^(log10 d) metres, at most 10 m, where d is the longer side of the area, or the shorter one if the longer is
-# twice as long or more. A strip of 0.5 m along the walls is left out. Points are in the middle of equal cells.
+# EN 12464-1 (2021, the clause on the illuminance grid) requires a grid whose points are at most p = 0.2 x 5^(log10 d)
+# metres apart, and at most 10 m. d is the longer side of the area, or the shorter one if the longer is twice as long or
+# more. A strip of 0.5 m along the walls does not count. The points are the centres of equal cells.
 
 # %%
 PLANE_M, MARGIN_M = 0.85, 0.5
@@ -107,14 +107,14 @@ UP = (0.0, 1.0, 0.0)
 
 
 def largest_step(width: float, depth: float) -> float:
-    """Between points of the grid, metres, for an area of these sides (metres)."""
+    """The largest distance between grid points, metres, for an area with these sides (metres)."""
     longer, shorter = max(width, depth), min(width, depth)
     d = shorter if longer >= 2 * shorter else longer
     return min(0.2 * 5 ** math.log10(d), 10.0)
 
 
 def middles(low: float, high: float, step: float) -> Floats:
-    """The middles of equal cells, no longer than step, from low to high (metres)."""
+    """The centres of equal cells, no longer than step, from low to high (metres)."""
     count = math.ceil((high - low) / step)
     return low + (numpy.arange(count) + 0.5) * (high - low) / count
 
@@ -133,8 +133,8 @@ print(f"grid: p = {step:.2f} m at most, {x.size} x {z.size} points, {x[1] - x[0]
 # %% [markdown]
 # ## Illuminance
 #
-# The mesh is filled where the points ask for it; `direct` is what comes straight from the lamps, `irradiance` has the
-# reflected light too.
+# Reading the mesh evaluates the lattice points that it needs. `direct` is the light of the lamps alone; `irradiance`
+# includes reflected light.
 
 # %%
 bounces = 2 if options.quick else 8
@@ -151,7 +151,7 @@ def lux(rgb: NDArray[Any]) -> Floats:
 
 
 def row(name: str, values: Floats) -> str:
-    """A line of the table: average, least value, uniformity."""
+    """A line of the table: average, minimum, uniformity."""
     return f"{name:<26}{values.mean():>9.0f}{values.min():>10.0f}{values.min() / values.mean():>9.2f}"
 
 
@@ -169,7 +169,7 @@ print(f"writing, typing, reading in offices (EN 12464-1: 500 lx, U0 0.60): {'met
 # %% [markdown]
 # ## Isolines
 #
-# The same plane with a point every 10 cm, but not in the screen. Reflected light fills the screen's shadow.
+# The same plane with a point every 10 cm, except inside the screen. Reflected light brightens the screen's shadow.
 
 # %%
 fine_x, fine_z, fine = grid(0.3 if options.quick else 0.1)
@@ -183,7 +183,7 @@ both: list[tuple[str, Floats]] = [
 
 
 def plan(ax: Axes) -> None:
-    """Draws walls, furniture and lamps into a plan, which is seen from above."""
+    """Draws walls, furniture and lamps into a plan of the room."""
     for (left, _, near), (right, top, far), _colour in FURNITURE:
         dashed = "-" if top > PLANE_M else ":"
         ax.add_patch(Rectangle((left, near), right - left, far - near, fill=False, color="white", linestyle=dashed, linewidth=0.9))
@@ -201,10 +201,10 @@ for ax, (name, values) in zip(panels, both, strict=True):
 figure.savefig(options.out / "isolines.png", dpi=100)
 
 # %% [markdown]
-# ## The room, and the mesh that knows its light
+# ## The room, and a slice of its light mesh
 #
-# Nobody sees a point light. For the picture each is a sphere that shines: of the radius r and the luminance I / (pi
-# r^2), cd/m², it has the intensity I.
+# A camera does not see a point light. For the picture, each is an emitting sphere: with radius r and luminance
+# I / (pi r^2), cd/m², it has the intensity I.
 
 # %%
 eye = Camera.look_at((7.05, 1.65, 5.25), (2.7, 1.15, 2.1), yfov=0.95)
@@ -227,7 +227,7 @@ figure.savefig(options.out / "slice.png", dpi=100)
 # %% [markdown]
 # ## Check 1: the closed form
 #
-# One lamp of intensity I at a height h over an open floor: E = I cos^3(theta) / h^2. The mesh must keep to 1%.
+# One lamp of intensity I at height h over an open floor: E = I cos^3(theta) / h^2. The mesh must be within 1%.
 
 # %%
 opening = Scene()
@@ -246,9 +246,9 @@ assert off < 0.01, "the mesh is more than 1% off the closed form"
 # %% [markdown]
 # ## Check 2: the path tracer
 #
-# At some points of the grid, by independent runs with other seeds: their spread gives the standard error of their
-# mean, and z is how many standard errors the mesh is away. The mesh interpolates, so it may be off by more than the
-# noise of a long run: we say by how much.
+# At some points of the grid, several path-traced runs with different seeds give a mean and its standard error. z is
+# the difference between mesh and mean, in standard errors. The mesh interpolates, so the difference may exceed the
+# noise of a long run; the table shows by how much.
 
 # %%
 chosen = points.reshape(-1, 3)[:: max(1, x.size * z.size // 6)]

@@ -1,13 +1,13 @@
 # %% [markdown]
 # # A hundred lights: error against time
 #
-# Which method is how far from the truth after how many seconds? `scenes/room_100.glb` has a hundred lights. We make a
-# reference of our own, then take the same picture by every method, at several settings each, first of direct light
-# and then of all light.
+# How far is each method from the truth, after how many seconds? This study renders `scenes/room_100.glb`, a room with a
+# hundred lights. It makes reference pictures, then renders the same picture by every method with several settings:
+# first direct light, then all light.
 #
 #     python examples/many_lights.py --out examples/out
 #
-# Runs as a script, and cell by cell in Jupyter or VS Code. Needs `pip install 'lightmesh[plot]'`.
+# Run it as a script, or cell by cell in Jupyter or VS Code. It needs `pip install '.[plot]'`, in the repository.
 
 # %%
 import argparse
@@ -25,7 +25,7 @@ from lightmesh import Image, Scene, metrics, plot
 parser = argparse.ArgumentParser(description="Error against time of every method, in a room with a hundred lights.")
 parser.add_argument("--out", type=Path, default=Path("examples/out"), help="folder for figures (default: examples/out)")
 parser.add_argument("--quick", action="store_true", help="small and coarse, to see that it runs")
-# A notebook has arguments of its own.
+# parse_known_args, because a notebook passes arguments of its own.
 options = parser.parse_known_args()[0]
 options.out.mkdir(parents=True, exist_ok=True)
 
@@ -36,10 +36,11 @@ print(f"{len(scene.lights)} lights, {scene.triangle_count} triangles, {size[0]} 
 print(f"{time.strftime('%Y-%m-%d')}, {os.cpu_count()} cores")
 
 # %% [markdown]
-# ## References, and how good they are
+# ## References, and their noise
 #
-# Direct light is exact with `standard`, a shadow ray to every light; all light with `path`. Two halves with other
-# seeds are averaged. Half their distance is the noise of the average, and no method can be seen to be better than it.
+# `standard` is exact for direct light: a shadow ray to every light. `path` is exact for all light. Each reference is
+# the average of two pictures with different seeds. Half of their difference is the noise of the average; a smaller
+# error than this cannot be measured.
 
 # %%
 Light = NDArray[numpy.float32]
@@ -66,13 +67,13 @@ print(f"noise of the references: direct light {100 * direct.noise:.2f}%, all lig
 # %% [markdown]
 # ## Runs
 #
-# Each picture starts with an empty mesh, and its time is that of the whole frame, the filling of the mesh too. A mesh
-# is kept from frame to frame: the second frame of the same place costs the shading alone.
+# Each picture starts with an empty mesh, so its time includes filling the mesh. A mesh that is kept makes the second
+# frame of the same place cheaper: only shading is left.
 
 # %%
 Settings = dict[str, list[dict[str, Any]]]
 rungs = slice(0, 2) if options.quick else slice(None)
-#: Coarse meshes of indirect light, where nobody looks.
+#: Coarse indirect meshes, for --quick.
 coarse: dict[str, Any] = {"indirect_spacing": 1.0, "gather_rays": 32} if options.quick else {}
 spacings = ["1/20", "1/40", "1/80", "1/160"][rungs]
 of_direct_light: Settings = {
@@ -89,12 +90,12 @@ of_all_light: Settings = {
     "unbiased": [{"method": "unbiased", "rays": rays, "spp": 16, **coarse} for rays in ([1] if options.quick else [1, 4])],
 }
 if not options.quick:
-    # Pilots of indirect light cost more than a small picture.
+    # The pilot of indirect light costs more than the small picture of --quick.
     of_all_light["mesh, error="] = [{"error": error, "spp": 16} for error in [0.1, 0.05]]
 
 
 class Run(NamedTuple):
-    """What a picture took (seconds), its relrmse, and the picture."""
+    """Seconds of a picture, its relrmse, and the picture."""
 
     seconds: float
     error: float
@@ -102,7 +103,7 @@ class Run(NamedTuple):
 
 
 def run(settings: Settings, truth: Reference, bounces: int) -> dict[str, list[Run]]:
-    """All pictures, and a table of them."""
+    """Renders all pictures and prints a table of them."""
     print(f"\n{'method':<14}{'settings':<62}{'time (s)':>9}{'rays (k)':>10}{'relRMSE':>9}{'bias':>8}")
     found: dict[str, list[Run]] = {}
     for method, rows in settings.items():
@@ -127,8 +128,8 @@ full_runs = run(of_all_light, full, bounces)
 # %% [markdown]
 # ## Error against time
 #
-# Lines fall towards the lower left where a method is good. Random samples fall along the dashed slope; a mesh falls
-# until its points are finer than what they have to resolve.
+# Good methods are at the lower left. The error of random samples falls along the dashed slope; that of a mesh falls
+# until its spacing resolves the shadows.
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(12, 5), layout="constrained")
@@ -143,7 +144,7 @@ figure.savefig(options.out / "convergence.png", dpi=110)
 # %% [markdown]
 # ## Where the mesh is wrong
 #
-# Red is too bright, blue is too dark: soft shadows of things thinner than the spacing.
+# Red is too bright, blue too dark: soft shadows of objects thinner than the spacing.
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(12, 3.9), layout="constrained")
@@ -155,9 +156,9 @@ panels[1].set_title(f"mesh {spacings[-1]}, direct light: {panels[1].get_title()}
 figure.savefig(options.out / "many_lights.png", dpi=110)
 
 # %% [markdown]
-# ## What should hold
+# ## What must hold
 #
-# Exact light by `standard` converges, and a finer mesh is better. Times are left alone: they are the machine's.
+# `standard` converges with more samples, and a finer mesh has less error. Times depend on the machine and are not checked.
 
 # %%
 for method in ("standard", "mesh"):
