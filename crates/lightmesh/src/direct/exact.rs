@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::interaction::{Vertex, VisibilityScratch, visibility};
+use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{Directions, LightsAt};
 use crate::world::Scene;
 
@@ -27,7 +27,7 @@ impl Scratch {
         scene: &Scene,
         seen: &LightsAt<'_>,
         falloff: Falloff,
-        vertex: &Vertex,
+        vertex: &ShadingPoint,
     ) -> (Vec3, u64) {
         let lights = seen.lights();
         lights.directions(scene.level(), falloff, vertex.position, &mut self.directions);

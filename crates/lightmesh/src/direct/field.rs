@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::region_cuts::LightRegions;
 use super::visibility_bits::LightBits;
 use super::visibility_runs::LightRuns;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::light::Directions;
 use crate::mesh::{Axes, Costs, Lattice, Marks, Neighbourhood, Points};
 use crate::{Error, Falloff, MeshStats, Method, PaperScale, RenderOptions, Scene};
@@ -176,7 +176,7 @@ impl DirectField {
     }
 
     /// How often the cell that a vertex reads has been refined.
-    pub(crate) fn level_at(&self, vertex: &Vertex) -> u32 {
+    pub(crate) fn level_at(&self, vertex: &ShadingPoint) -> u32 {
         self.points.cell(vertex).0
     }
 

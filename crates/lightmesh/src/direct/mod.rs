@@ -19,5 +19,5 @@ pub(crate) use exact::Scratch;
 pub(crate) use field::{DirectField, Field};
 pub(crate) use per_light::{Care, Trust};
 pub(crate) use plan::{Indirect, Plan, Shading};
-pub(crate) use shading::{DirectLighting, LitVertices};
+pub(crate) use shading::{DirectLighting, ShadingBatch};
 pub(crate) use visibility_runs::LightRuns;

@@ -24,7 +24,7 @@ use glam::Vec3;
 use super::region_visibility::KnownLights;
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::interaction::{Vertex, VisibilityScratch, visibility};
+use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{BlockTerms, LANES, LightTerms, Receiver};
 use crate::sampling::hash;
 use crate::world::Scene;
@@ -88,7 +88,7 @@ struct Waiting {
 pub(super) struct Lit<'a> {
     pub scene: &'a Scene,
     pub falloff: Falloff,
-    pub vertex: &'a Vertex,
+    pub vertex: &'a ShadingPoint,
     /// Its number among those that are lit together.
     pub surface: u32,
     /// The lights, and what the points around it know of them.
@@ -100,7 +100,7 @@ pub(super) struct Lit<'a> {
 
 impl Lit<'_> {
     fn receiver(&self) -> Receiver {
-        let Vertex { position, n, ng, .. } = *self.vertex;
+        let ShadingPoint { position, n, ng, .. } = *self.vertex;
         Receiver { position, n, ng, doubt: self.known.agreement.doubt, falloff: self.falloff }
     }
 
@@ -243,7 +243,7 @@ impl ByLight {
 
     /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster.
     fn want_one_of(&mut self, lit: &Lit<'_>, (lane, p): (usize, f32), scale: f32, expected: f32) {
-        let Vertex { position, n, .. } = *lit.vertex;
+        let ShadingPoint { position, n, .. } = *lit.vertex;
         let samples = lit.scene.lights();
         let Some(luminaire) = samples.luminaire(lane) else { return };
         let (direction, f) = luminaire.arriving(lit.falloff, position);

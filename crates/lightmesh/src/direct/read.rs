@@ -6,7 +6,7 @@ use super::field::{DirectField, Field};
 use super::read_lights::LightsReading;
 use super::region_visibility::RegionLights;
 use super::visibility_estimate::Agreement;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::light::LightSamples;
 use crate::mesh::{Known, Marks, Neighbourhood, Outcome, Reader, Sight, bits as corners_of, usable_part};
 use crate::{MissingCorners, Scene};
@@ -63,7 +63,7 @@ impl DirectField {
 impl DirectReader<'_> {
     /// Ĩ(y), formula (3g); points that are still empty are marked.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
         let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
         if !self.reader.reads_cells() {
             return self.read_points(vertex, marks);
@@ -99,7 +99,7 @@ impl DirectReader<'_> {
     }
 
     /// The same, point by point.
-    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
         let (mut visible, mut all, mut total) = (Vec4::ZERO, Vec4::ZERO, 0.0);
         let outcome = self.reader.read(vertex, marks, |index, weight| {
             let point = self.field.fold(index, vertex.n);
@@ -120,7 +120,7 @@ impl DirectReader<'_> {
 
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
     /// where [`DirectReader::read`] finds nothing.
-    pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
+    pub(crate) fn usable_part(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
         let reads = match self.field.field {
             Field::ByLight { .. } => self.read_lights(vertex, marks) == LightsReading::Known,
             _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),

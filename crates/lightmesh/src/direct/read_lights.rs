@@ -2,7 +2,7 @@
 
 use super::read::DirectReader;
 use super::region_visibility::KnownLights;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::mesh::{Marks, Outcome, bits as corners_of};
 
 /// What a vertex finds in the direct mesh about single lights. [`DirectReader::known_lights`] has what it is.
@@ -22,7 +22,7 @@ impl DirectReader<'_> {
     /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
     /// that asks.
     #[inline(always)]
-    pub(crate) fn read_lights(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading {
+    pub(crate) fn read_lights(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
         if !self.reader.reads_cells() {
             return self.ask_points(vertex, marks);
         }
@@ -55,7 +55,7 @@ impl DirectReader<'_> {
     }
 
     #[cold]
-    fn ask_points(&mut self, vertex: &Vertex, marks: &Marks) -> LightsReading {
+    fn ask_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
         let mut points = Vec::new();
         match self.reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
             Outcome::Read => {}
@@ -80,14 +80,14 @@ impl DirectReader<'_> {
 
     /// Makes the lights of the vertex' region those that are asked about, where they are clusters.
     #[inline(always)]
-    fn enter_region(&mut self, vertex: &Vertex) {
+    fn enter_region(&mut self, vertex: &ShadingPoint) {
         if let Some(lanes) = self.near.as_mut().and_then(|near| near.enter(vertex.position)) {
             self.agreement.restart(lanes);
         }
     }
 
     #[cold]
-    fn nothing_known(&mut self, vertex: &Vertex) -> LightsReading {
+    fn nothing_known(&mut self, vertex: &ShadingPoint) -> LightsReading {
         if self.near.is_none() {
             return LightsReading::Nothing;
         }

@@ -12,7 +12,7 @@ use super::per_light::{ByLight, Lit};
 use super::plan::{Plan, Shading};
 use super::read::{DirectReader, Reading};
 use super::read_lights::LightsReading;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::light::{LightSamples, LightsAt};
 use crate::mesh::{Marks, Sight};
 use crate::progress::Reporter;
@@ -24,8 +24,8 @@ const FALLBACK_RAYS: u32 = 64;
 
 /// A list of vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
-pub(crate) struct LitVertices {
-    pub vertices: Vec<Vertex>,
+pub(crate) struct ShadingBatch {
+    pub vertices: Vec<ShadingPoint>,
     /// Direct irradiance of each vertex, lux.
     pub direct: Vec<Vec3>,
     /// Vertices that the mesh has not answered yet.
@@ -37,7 +37,7 @@ pub(crate) struct LitVertices {
     fallbacks: u64,
 }
 
-impl LitVertices {
+impl ShadingBatch {
     /// A shadow ray to each of the light samples from every vertex.
     pub(crate) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
         self.direct.clear();
@@ -219,7 +219,7 @@ impl DirectLighting<'_, '_> {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
+    pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut ShadingBatch]) -> Result<LightSeconds, Error> {
         let (scene, falloff) = (self.scene, self.options.falloff);
         let shading = self.plan.shading(sight);
         let started = Instant::now();

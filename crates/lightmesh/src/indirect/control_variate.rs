@@ -18,7 +18,7 @@ use super::field::{IndirectField, IndirectReading};
 use super::gather::{Gather, Heights, seed_of_surface, unit};
 use crate::Error;
 use crate::direct::DirectLighting;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::mesh::{Marks, Sight};
 use crate::sampling::hash;
 
@@ -49,7 +49,7 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
         paths: Paths,
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());

@@ -11,7 +11,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::mesh::{Axes, Known, Lattice, Marks, Neighbourhood, Outcome, Points, Reader, Sight, bits};
 use crate::{MeshStats, Method, RenderOptions, Scene};
 
@@ -164,7 +164,7 @@ pub(crate) struct IndirectReader<'a> {
 impl IndirectReader<'_> {
     /// Ĩ_d(y), formula (6); points that are still empty are marked.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
         if !self.reader.reads_cells() {
             return self.read_points(vertex, marks);
@@ -199,7 +199,7 @@ impl IndirectReader<'_> {
     }
 
     /// The same, point by point.
-    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
         let axes = Axes::facing(vertex.n);
         let outcome = self.reader.read(vertex, marks, |index, weight| {

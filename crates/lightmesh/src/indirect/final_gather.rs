@@ -7,7 +7,7 @@ use super::field::{IndirectField, IndirectReading};
 use super::gather::{Gather, Heights};
 use crate::Error;
 use crate::direct::DirectLighting;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::mesh::{Marks, Sight};
 
 /// Rays per surface point: each of them is as good as a path, but pixels have several samples.
@@ -26,7 +26,7 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
         (bounces, seed): (u32, u64),
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());

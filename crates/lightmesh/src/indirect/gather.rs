@@ -10,9 +10,9 @@ use std::f32::consts::{PI, TAU};
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use crate::bvh::Hit;
-use crate::direct::LitVertices;
+use crate::direct::ShadingBatch;
 use crate::geometry::Ray;
-use crate::interaction::{MAX_LAYERS, Vertex, evaluate};
+use crate::interaction::{MAX_LAYERS, ShadingPoint, evaluate};
 use crate::mesh::{Address, Coordinate};
 use crate::sampling::{basis, hash, sample_cosine_hemisphere};
 use crate::{RenderOptions, Scene};
@@ -29,7 +29,7 @@ pub(crate) struct Gather {
     pub emitted: Vec<(u32, Vec3)>,
     /// The diffuse surfaces at which rays ended; `pixel` is the ray's number, `weight` the radiance that arrives along it
     /// per unit of irradiance there.
-    pub lit: LitVertices,
+    pub lit: ShadingBatch,
     /// Rays traced.
     pub rays: u64,
     batch: Vec<Ray>,
@@ -135,7 +135,7 @@ impl Gather {
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
         (count, seed, heights): (u32, u64, Heights),
     ) {
         self.lobes.clear();

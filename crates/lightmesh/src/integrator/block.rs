@@ -6,11 +6,11 @@ use glam::Vec3;
 
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
-use crate::direct::{Indirect, LitVertices, Plan, Shading};
+use crate::direct::{Indirect, ShadingBatch, Plan, Shading};
 use crate::film::{Film, Sample};
 use crate::geometry::{Cone, Ray};
 use crate::indirect::{IndirectField, IndirectReading};
-use crate::interaction::{MAX_LAYERS, Surface, Vertex, evaluate_seen};
+use crate::interaction::{MAX_LAYERS, Surface, ShadingPoint, evaluate_seen};
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{Marks, Sight};
 use crate::progress::Reporter;
@@ -40,7 +40,7 @@ pub(super) struct Block {
     pub(super) input: Vec<WaveRay>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    pub(super) lit: LitVertices,
+    pub(super) lit: ShadingBatch,
     /// Indirect irradiance of each vertex, lux; empty where there is none.
     pub(super) indirect: Vec<Vec3>,
     /// Vertices that the indirect mesh has not answered yet, and those that it has no answer for.
@@ -58,7 +58,7 @@ pub(super) struct Block {
 /// A hit with its irradiance, lux.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LitHit {
-    pub vertex: Vertex,
+    pub vertex: ShadingPoint,
     pub direct: glam::Vec3,
     pub indirect: glam::Vec3,
 }
@@ -211,7 +211,7 @@ impl Block {
     }
 
     /// The vertices that the indirect mesh has no answer for.
-    pub(super) fn orphans(&self) -> impl Iterator<Item = &Vertex> {
+    pub(super) fn orphans(&self) -> impl Iterator<Item = &ShadingPoint> {
         self.orphans.iter().map(|&i| &self.lit.vertices[i as usize])
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::direct::DirectField;
 use crate::film::Film;
-use crate::interaction::{Surface, Vertex};
+use crate::interaction::{Surface, ShadingPoint};
 use crate::mesh::{Marks, Sight};
 use crate::{Aov, RenderOptions, Scene};
 
@@ -56,7 +56,7 @@ impl FirstHits {
         scene: &Scene,
         options: &RenderOptions,
         (field, marks): (&DirectField, &Marks),
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
     ) -> u64 {
         if self.hits.is_empty() || !options.aovs.iter().any(Aov::needs_mesh) {
             return 0;

@@ -13,7 +13,7 @@ use crate::bvh::Hit;
 use crate::direct::Scratch;
 use crate::film::{Film, SumOrder, Watch, take_samples};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{MAX_LAYERS, Surface, Vertex, evaluate_seen};
+use crate::interaction::{MAX_LAYERS, Surface, ShadingPoint, evaluate_seen};
 use crate::light::LightsAt;
 use crate::progress::Reporter;
 use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
@@ -202,7 +202,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// An estimate of the irradiance at a vertex, lux.
-    pub(super) fn irradiance(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Radiance {
+    pub(super) fn irradiance(&mut self, vertex: &ShadingPoint, sampler: &mut Sampler) -> Radiance {
         let mut e = Radiance::default();
         e.add(Aov::Direct, self.direct(vertex, sampler));
         if self.options.bounces > 0 || self.lamps.can_be_hit(self.scene) {
@@ -316,7 +316,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Adds the mean of [`BRANCHES`] paths that leave the first diffuse surface with this throughput.
-    fn branch(&mut self, vertex: &Vertex, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
+    fn branch(&mut self, vertex: &ShadingPoint, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..BRANCHES {
             let mut sampler = sampler.branch(branch, BRANCHES);
             let (ray, pdf) = self.bounce(vertex, &mut sampler);
@@ -328,7 +328,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// A cosine-distributed direction about the shading normal: its pdf, cosθ / π, cancels Lambert's cosine / π.
-    fn bounce(&self, vertex: &Vertex, sampler: &mut Sampler) -> (Ray, f32) {
+    fn bounce(&self, vertex: &ShadingPoint, sampler: &mut Sampler) -> (Ray, f32) {
         let (t, b) = basis(vertex.n);
         let local = sample_cosine_hemisphere(sampler.next_pair());
         let direction = t * local.x + b * local.y + vertex.n * local.z;
@@ -337,7 +337,7 @@ impl<'a> PathTracer<'a> {
 
     /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their
     /// share of the estimate.
-    fn direct(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+    fn direct(&mut self, vertex: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let (scene, falloff) = (self.scene, self.options.falloff);
         let mut sum = Vec3::ZERO;
         if scene.emitters().light_radius > 0.0 {

@@ -8,10 +8,10 @@ use super::adaptive::distance_levels::grade;
 use super::adaptive::error_bound::choose_plan;
 use super::adaptive::refine::refine;
 use super::block::{BLOCK, Block, LitHit, WaveRay};
-use crate::direct::{DirectLighting, Indirect, LitVertices, Plan};
+use crate::direct::{DirectLighting, Indirect, ShadingBatch, Plan};
 use crate::film::{Film, SumOrder, WAVE, Watch, take_samples};
 use crate::indirect::{IndirectField, Paths};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{Marks, Sight};
 use crate::progress::Reporter;
@@ -213,7 +213,7 @@ pub(crate) fn light(
         (Lighting::Mesh(mesh), Some(marks)) => {
             let (field, direct_marks) = (&mut mesh.direct, &mut marks.direct);
             let mut direct = DirectLighting { scene, options, plan, field, marks: direct_marks, reporter, stats };
-            let mut lists: Vec<&mut LitVertices> = blocks.iter_mut().map(|block| &mut block.lit).collect();
+            let mut lists: Vec<&mut ShadingBatch> = blocks.iter_mut().map(|block| &mut block.lit).collect();
             let seconds = direct.light(Sight::Every, &mut lists)?;
             let sum = &mut direct.stats.seconds;
             sum.demand += seconds.demand;
@@ -274,7 +274,7 @@ fn light_indirectly(
 
     // Where nothing could be read, rays are gathered at the surface itself.
     let started = Instant::now();
-    let orphans: Vec<Vertex> = blocks.iter().flat_map(Block::orphans).copied().collect();
+    let orphans: Vec<ShadingPoint> = blocks.iter().flat_map(Block::orphans).copied().collect();
     let gathered = match direct.plan.indirect {
         Indirect::Mesh => {
             let seed = direct.options.seed;

@@ -7,5 +7,5 @@ mod surface;
 pub(crate) mod transmittance;
 
 pub use meter::Meter;
-pub(crate) use surface::{MAX_LAYERS, Surface, Vertex, evaluate, evaluate_seen, is_back_face, is_solid};
+pub(crate) use surface::{MAX_LAYERS, Surface, ShadingPoint, evaluate, evaluate_seen, is_back_face, is_solid};
 pub(crate) use transmittance::{VisibilityScratch, visibility};

@@ -15,7 +15,7 @@ pub(crate) const MAX_LAYERS: u8 = 64;
 
 /// A surface point that wants light: what a tracer needs to know of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
+pub(crate) struct ShadingPoint {
     /// Metres, world space.
     pub position: Vec3,
     /// Unit shading normal, on the viewer's side.
@@ -30,7 +30,7 @@ pub(crate) struct Vertex {
     pub pixel: u32,
 }
 
-impl Vertex {
+impl ShadingPoint {
     /// Where a ray towards `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_origin(self.position, self.ng, self.extent, direction)
@@ -68,8 +68,8 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
-        Vertex {
+    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> ShadingPoint {
+        ShadingPoint {
             position: self.position,
             n: self.n,
             ng: self.ng,

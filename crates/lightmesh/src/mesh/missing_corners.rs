@@ -15,7 +15,7 @@ use super::read_result::Outcome;
 use super::refinement::Level;
 use super::stencil::{Stencil, stencil};
 use crate::MissingCorners;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 
 /// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so that a
 /// surface on a lattice plane has the cell before it, not the one behind.
@@ -26,7 +26,7 @@ const OFFSET: f32 = ON_SURFACE;
 pub(super) fn read_with(
     level: &Level,
     rule: MissingCorners,
-    vertex: &Vertex,
+    vertex: &ShadingPoint,
     mut mark: impl FnMut(Coordinate),
     mut take: impl FnMut(u32, f32),
 ) -> Outcome {
@@ -55,7 +55,7 @@ pub(super) fn read_with(
 }
 
 /// The part of the trilinear weight that corners have which are there; all of them have been evaluated.
-pub(super) fn usable_share(level: &Level, vertex: &Vertex) -> f32 {
+pub(super) fn usable_share(level: &Level, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
     stencil.sum(mask(bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
@@ -71,7 +71,7 @@ fn mask(corners: impl Iterator<Item = usize>) -> u8 {
 }
 
 /// The weights of the corners that are `there`, with what the rule moves to them.
-fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &Vertex, there: u8) -> [f32; 8] {
+fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, there: u8) -> [f32; 8] {
     let mut weights: [f32; 8] = std::array::from_fn(|k| stencil.weight(k));
     let across = match rule {
         MissingCorners::Zero | MissingCorners::One => return weights,
@@ -111,11 +111,11 @@ mod tests {
     use crate::geometry::Aabb;
 
     /// A vertex at (0.3, 0.4, 0.2) of a cell, of normal `ng`, and its stencil.
-    fn at(ng: Vec3) -> (Vertex, Stencil) {
+    fn at(ng: Vec3) -> (ShadingPoint, Stencil) {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
         let lattice = Lattice::new("spacing", &bounds, 1.0, 1, 1 << 30).expect("small");
         let position = lattice.point(glam::UVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
-        let vertex = Vertex { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, pixel: 0 };
+        let vertex = ShadingPoint { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, pixel: 0 };
         let stencil = stencil(&lattice, &vertex, OFFSET);
         (vertex, stencil)
     }

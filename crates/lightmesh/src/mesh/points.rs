@@ -13,7 +13,7 @@ use super::read_result::Sight;
 use super::reader::Reader;
 use super::refinement::Level;
 use super::stencil::{Neighbourhood, trilinear};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::{Error, MeshStats, Scene};
 
 /// Where a mesh point is.
@@ -138,7 +138,7 @@ impl Points {
     }
 
     /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
-    pub(crate) fn demand(&self, scene: &Scene, vertices: &[Vertex], marks: &Marks, sight: Sight) {
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, sight: Sight) {
         let mut reader = self.reader(scene, Sight::Unchecked { finer: sight != Sight::One });
         vertices.iter().for_each(|vertex| {
             reader.read(vertex, marks, |_, _| {});
@@ -146,7 +146,7 @@ impl Points {
     }
 
     /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
-    pub(crate) fn cell(&self, vertex: &Vertex) -> (u32, Coordinate) {
+    pub(crate) fn cell(&self, vertex: &ShadingPoint) -> (u32, Coordinate) {
         let mut at = 0;
         loop {
             let level = self.level(at);

@@ -15,7 +15,7 @@ use super::points::{Address, Points};
 use super::read_result::{Outcome, Seen, Sight};
 use super::refinement::Level;
 use super::stencil::{Neighbourhood, Stencil, heights_above, nearest, sphere, trilinear};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::world::Scene;
 
 /// Reads points vertex by vertex. It keeps what it knows of the last cell: neighbouring pixels mostly share it.
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
     /// Hands out (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
     /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
         let points = self.points;
         if points.neighbourhood == Neighbourhood::Trilinear {
             return self.read_cell(vertex, marks, take);
@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
 
     /// [`Self::read`] for the corners of the vertex' cell.
     #[inline(always)]
-    fn read_cell(&mut self, vertex: &Vertex, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
+    fn read_cell(&mut self, vertex: &ShadingPoint, marks: &Marks, mut take: impl FnMut(u32, f32)) -> Outcome {
         let seen = match self.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(outcome) => return outcome,
@@ -173,7 +173,7 @@ impl<'a> Reader<'a> {
         &mut self,
         seen: &Seen,
         share: f32,
-        vertex: &Vertex,
+        vertex: &ShadingPoint,
         marks: &Marks,
         take: &mut dyn FnMut(u32, f32),
     ) -> Outcome {
@@ -197,7 +197,7 @@ impl<'a> Reader<'a> {
 
     /// The corners of the vertex' cell that it sees; otherwise what became of the read. Which cell it is, [`Self::visits`] tells.
     #[inline(always)]
-    pub(crate) fn corners(&mut self, vertex: &Vertex, marks: &Marks) -> Result<Seen, Outcome> {
+    pub(crate) fn corners(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Result<Seen, Outcome> {
         let stencil = trilinear(&self.level.lattice, vertex);
         (self.missing, self.blended) = (0, false);
         if stencil.cell != self.cell {
@@ -257,7 +257,7 @@ impl<'a> Reader<'a> {
     /// A mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but cannot, on all
     /// levels that it read: they are inside solids or hidden from it. Zero where there are none.
     #[inline(always)]
-    pub(crate) fn towards_missing(&self, vertex: &Vertex) -> Vec3 {
+    pub(crate) fn towards_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
     }
 
@@ -267,7 +267,7 @@ impl<'a> Reader<'a> {
         self.cluttered || self.finer.as_ref().is_some_and(|finer| self.blended && finer.is_cluttered())
     }
 
-    fn sum_of_missing(&self, vertex: &Vertex) -> Vec3 {
+    fn sum_of_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         let lattice = &self.level.lattice;
         let to_corner = |k| (lattice.point(corner(self.cell, k)) - vertex.position) * lattice.inv_spacing();
         let own: Vec3 = bits(self.missing).map(to_corner).sum();
@@ -288,7 +288,7 @@ impl<'a> Reader<'a> {
     /// eight, nothing can part any vertex on that plane from a corner: [`Self::parted`] then is what [`Self::enclosed`] is.
     /// Planes are told apart by their normal and their height in 1/256 of the spacing, and judged by the upper end of that step.
     #[inline(always)]
-    fn is_clear(&mut self, vertex: &Vertex, stencil: &Stencil, corners: u8) -> bool {
+    fn is_clear(&mut self, vertex: &ShadingPoint, stencil: &Stencil, corners: u8) -> bool {
         // The offset keeps walls on and half-way between lattice planes, the most of them, off the edges of steps.
         let step = (stencil.heights[0].x * 256.0 + 0.382).ceil();
         if self.plane != (vertex.ng, step, corners) {
@@ -303,7 +303,7 @@ impl<'a> Reader<'a> {
 
     /// The corners that may have something between them and the vertex.
     #[inline(never)]
-    fn parted(&mut self, vertex: &Vertex, stencil: &Stencil) -> u8 {
+    fn parted(&mut self, vertex: &ShadingPoint, stencil: &Stencil) -> u8 {
         let lattice = &self.level.lattice;
         let place = (vertex.position - lattice.point(self.cell)) * lattice.inv_spacing();
         let mut parted = self.enclosed;

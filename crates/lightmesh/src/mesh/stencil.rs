@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3, Vec4};
 use super::bricks::Slot;
 use super::corners::{ByCorner, ONES, corner};
 use super::lattice::{Coordinate, Lattice, ON_SURFACE};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
 /// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
@@ -119,13 +119,13 @@ impl Stencil {
 
 /// Trilinear weights about the vertex; corners behind its surface are left out.
 #[inline(always)]
-pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
+pub(super) fn trilinear(lattice: &Lattice, vertex: &ShadingPoint) -> Stencil {
     stencil(lattice, vertex, NORMAL_OFFSET)
 }
 
 /// The same for the cell that is `offset` spacings off the surface.
 #[inline(always)]
-pub(super) fn stencil(lattice: &Lattice, vertex: &Vertex, offset: f32) -> Stencil {
+pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> Stencil {
     let (cell, place) = lattice.cell_and_place(vertex.position + vertex.ng * (offset * lattice.spacing()));
     let frac = place.clamp(Vec3::ZERO, Vec3::ONE);
     // The vertex is below `place` by the offset.
@@ -152,7 +152,7 @@ pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
 /// Every point of the sphere that is before the vertex' plane, and its φ4.
 pub(super) fn sphere(
     lattice: &Lattice,
-    vertex: &Vertex,
+    vertex: &ShadingPoint,
     Ball { radius, weight, lift }: Ball,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
@@ -188,7 +188,7 @@ fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
 
 /// The cell's corners that are in front of the surface, the nearest first, until `visit` finds a usable one: it says what
 /// is at the point.
-pub(super) fn nearest(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(Coordinate) -> Slot) {
+pub(super) fn nearest(lattice: &Lattice, vertex: &ShadingPoint, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
     let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {
         let coordinate = corner(base, k);

@@ -6,11 +6,11 @@ use super::missing_corners::usable_share;
 use super::points::Points;
 use super::reader::Reader;
 use super::stencil::{Neighbourhood, nearest, sphere, trilinear};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 
 /// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
 /// from it. All of them have been evaluated.
-pub(crate) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &Vertex, marks: &Marks) -> f32 {
+pub(crate) fn usable_part(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
     let (mut usable, mut asked) = (0.0, 0.0);
     let mut visit = |slot: Slot, weight: f32| {
         asked += weight;

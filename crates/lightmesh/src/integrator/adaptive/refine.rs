@@ -14,7 +14,7 @@ use super::super::wave::{Lighting, WaveFrame};
 use super::pilot::light_pixels;
 use crate::direct::{Indirect, Plan, Shading};
 use crate::film::{Film, Watch};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::mesh::Points;
 use crate::{Error, RenderStats};
 
@@ -98,7 +98,7 @@ pub(crate) fn refine(
 
 /// Refines the cells with the largest sums of squared errors, until the sum of the others is at most `most`, `fit` cells at most; how
 /// many these are.
-fn refine_worst(points: &mut Points, errors: &[(Vertex, f64)], most: f64, fit: u64) -> usize {
+fn refine_worst(points: &mut Points, errors: &[(ShadingPoint, f64)], most: f64, fit: u64) -> usize {
     let mut cells: BTreeMap<(u32, [u32; 3]), f64> = BTreeMap::new();
     for (vertex, square) in errors {
         let (level, cell) = points.cell(vertex);

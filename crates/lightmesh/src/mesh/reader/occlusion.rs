@@ -7,13 +7,13 @@ use super::super::read_result::Sight;
 use super::super::stencil::Stencil;
 use super::Reader;
 use crate::geometry::Ray;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::sampling::{hash, seed_of_place};
 
 impl Reader<'_> {
     /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
     #[cold]
-    pub(super) fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+    pub(super) fn look(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         match self.sight {
             Sight::Every => {
                 let seen = self.look_by_pieces(vertex, stencil, usable, parted);
@@ -26,7 +26,7 @@ impl Reader<'_> {
 
     /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
     /// there is but one piece and nothing of it is hidden.
-    fn look_by_pieces(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+    fn look_by_pieces(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         let mut seen = self.look_at_each(vertex, parted);
         let mut rest = usable;
         while rest != 0 {
@@ -43,12 +43,12 @@ impl Reader<'_> {
         seen
     }
 
-    pub(super) fn look_at_each(&mut self, vertex: &Vertex, corners: u8) -> u8 {
+    pub(super) fn look_at_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
         bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
     /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
-    fn look_for_one(&mut self, vertex: &Vertex, stencil: &Stencil, mut corners: u8) -> u8 {
+    fn look_for_one(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
         let mut seed = seed_of_place(vertex.position);
         while corners != 0 {
             let k = choose(bits(corners).map(|k| (k, stencil.weight(k))), seed);
@@ -62,7 +62,7 @@ impl Reader<'_> {
     }
 
     /// Whether nothing stands between the vertex and corner k.
-    fn sees(&mut self, vertex: &Vertex, k: usize) -> bool {
+    fn sees(&mut self, vertex: &ShadingPoint, k: usize) -> bool {
         self.sight_rays += 1;
         let point = self.level.lattice.point(corner(self.cell, k));
         sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
