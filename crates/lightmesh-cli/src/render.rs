@@ -136,7 +136,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         if let Some(error) = options.error {
             terminal::note(&estimate(error, frame.stats.estimated_error));
         }
-        if let Some(note) = left_out(options.bounces, frame.stats.left_out) {
+        if let Some(note) = left_out(options.bounces, frame.stats.truncated_light) {
             terminal::note(&note);
         }
         terminal::note(&format!(

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, TryLockError};
 
-use lightmesh::filling::{Gathering, LevelValues};
+use lightmesh::filling::{BounceValues, GatherBatch};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -23,7 +23,7 @@ type LevelArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>);
 /// in any order.
 #[pyclass(name = "Level", module = "lightmesh", frozen)]
 pub(crate) struct PyLevel {
-    values: Arc<LevelValues>,
+    values: Arc<BounceValues>,
 }
 
 #[pymethods]
@@ -36,8 +36,8 @@ impl PyLevel {
         }
         let numbers: Vec<u32> = addresses.values.iter().map(|&word| u32::try_from(word).unwrap_or(u32::MAX)).collect();
         let values = arrays::floats(values, "values")?.values;
-        let level = LevelValues { points: numbers.as_chunks().0.to_vec(), values };
-        Ok(Self { values: Arc::new(LevelValues::join([&level])) })
+        let level = BounceValues { points: numbers.as_chunks().0.to_vec(), values };
+        Ok(Self { values: Arc::new(BounceValues::merge([&level])) })
     }
 
     /// How many points there are.
@@ -52,7 +52,7 @@ impl PyLevel {
 pub(crate) struct PyGathering {
     job: Arc<Job>,
     threads: Option<usize>,
-    gathering: Arc<Mutex<Gathering>>,
+    gathering: Arc<Mutex<GatherBatch>>,
 }
 
 #[pymethods]
@@ -60,8 +60,8 @@ impl PyGathering {
     /// Points of the direct and of the indirect mesh that its rays read: two arrays of bricks.
     #[pyo3(signature = ())]
     fn wanted<'py>(&self, py: Python<'py>) -> PyResult<BrickArrays<'py>> {
-        let wanted =
-            self.run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.wanted(&job.built.scene, mesh))))?;
+        let wanted = self
+            .run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.requests(&job.built.scene, mesh))))?;
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
@@ -112,7 +112,7 @@ impl PyGathering {
 }
 
 impl PyGathering {
-    pub(crate) fn new(job: Arc<Job>, threads: Option<usize>, gathering: Gathering) -> Self {
+    pub(crate) fn new(job: Arc<Job>, threads: Option<usize>, gathering: GatherBatch) -> Self {
         Self { job, threads, gathering: Arc::new(Mutex::new(gathering)) }
     }
 
@@ -120,7 +120,7 @@ impl PyGathering {
         &self,
         py: Python<'_>,
         callback: Option<&Bound<'_, PyAny>>,
-        work: impl FnOnce(&Job, &mut Gathering, &Watch) -> Result<T, JobError> + Send + 'static,
+        work: impl FnOnce(&Job, &mut GatherBatch, &Watch) -> Result<T, JobError> + Send + 'static,
     ) -> PyResult<T> {
         let (job, gathering) = (Arc::clone(&self.job), Arc::clone(&self.gathering));
         let work = move |watch: &Watch| match gathering.try_lock() {

@@ -125,8 +125,8 @@ impl PyLightMesh {
         let work = move |watch: &work::Watch| {
             let mut mesh = lock(&mesh)?;
             let filled = match &wanted {
-                Where::Around(points) => mesh.fill_around(&built.scene, &options, points, watch),
-                Where::Box(bounds) => mesh.fill_box(&built.scene, &options, bounds, watch),
+                Where::Around(points) => mesh.prefill_meters(&built.scene, &options, points, watch),
+                Where::Box(bounds) => mesh.prefill_box(&built.scene, &options, bounds, watch),
             };
             Some(filled.map(|stats| WorkStats::new(&options, &stats)))
         };

@@ -201,9 +201,9 @@ fn the_light_that_is_left_out_is_estimated() {
     let many = shoot(&scene, &room_camera(), &gi(Method::Mesh, 40));
     let sum = |frame: &Frame| frame.image.pixels.iter().sum::<Vec3>().element_sum();
     let truth = 1.0 - sum(&few) / sum(&many);
-    let said = few.stats.left_out.expect("an estimate") as f32;
+    let said = few.stats.truncated_light.expect("an estimate") as f32;
     assert!((said / truth - 1.0).abs() < 0.25, "{said} {truth}");
-    assert!(many.stats.left_out.expect("an estimate") < 1e-3);
+    assert!(many.stats.truncated_light.expect("an estimate") < 1e-3);
 }
 
 fn both_points(frame: &Frame) -> u64 {

@@ -17,7 +17,7 @@
 //! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
 //! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
 //!
-//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the addresses.
+//! [`lightmesh::Snapshot`] says more about each. Positions are for who looks at the file: they follow from the addresses.
 //!
 //! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings` (JSON), `units`, `scene` and
 //! `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a checksum for each array. Equal meshes are equal
@@ -30,7 +30,7 @@ mod write;
 
 use std::path::Path;
 
-use lightmesh::{Contents, Counts, Fingerprint, LightMesh, RenderOptions, Scene};
+use lightmesh::{Cursor, Fingerprint, LightMesh, RenderOptions, Scene, Snapshot};
 
 use crate::Error;
 use crate::error::one_line;
@@ -52,7 +52,7 @@ pub struct MeshFile {
     /// Every setting, as a JSON object.
     pub settings: String,
     /// What the mesh knows.
-    pub contents: Contents,
+    pub contents: Snapshot,
 }
 
 impl MeshFile {
@@ -69,7 +69,7 @@ impl MeshFile {
             software: software.into(),
             method: method.into(),
             settings: settings.into(),
-            contents: mesh.contents_since(&Counts::default()),
+            contents: mesh.snapshot_since(&Cursor::default()),
         }
     }
 
@@ -111,7 +111,7 @@ impl MeshFile {
         let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
         let options = RenderOptions { bounces: self.bounces(), ..options.clone() };
         let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
-        mesh.absorb(&self.contents).map_err(failed)?;
+        mesh.merge(&self.contents).map_err(failed)?;
         Ok(mesh)
     }
 }

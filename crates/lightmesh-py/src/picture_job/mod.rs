@@ -5,7 +5,7 @@ mod job;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-use lightmesh::filling::{self, Wanted};
+use lightmesh::filling::{self, PointRequests};
 use lightmesh::portions::{self, Outlines, PictureSamples, Portion};
 use lightmesh::{Fingerprint, LightMesh, RenderStats};
 use lightmesh_cli::{SOFTWARE, Stats, method_name};
@@ -161,7 +161,7 @@ impl PyPictureJob {
         let bytes = self.run(bricks.py(), progress, move |job, watch| {
             let contents = job.with_mesh(|mesh| {
                 filling::fill_direct(&job.built.scene, &job.options, mesh, &direct, watch)?;
-                mesh.contents_of(&Wanted { direct, indirect: Vec::new() })
+                mesh.snapshot_of(&PointRequests { direct, indirect: Vec::new() })
             })?;
             Ok(job.to_bytes(contents))
         })?;
@@ -175,7 +175,7 @@ impl PyPictureJob {
             let file = lightmesh_io::mesh_from_bytes("contents", &bytes, job.options.max_memory);
             let file = file.map_err(JobError::File)?;
             file.check("contents".as_ref(), job.scene, &job.options).map_err(JobError::File)?;
-            job.with_mesh(|mesh| mesh.absorb(&file.contents))
+            job.with_mesh(|mesh| mesh.merge(&file.contents))
         })
     }
 
@@ -184,7 +184,7 @@ impl PyPictureJob {
     fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
         let points = bricks::from_array(bricks, "bricks")?;
         let gathering = self.run(bricks.py(), progress, move |job, watch| {
-            job.with_mesh(|mesh| filling::Gathering::new(&job.built.scene, &job.options, mesh, &points, watch))
+            job.with_mesh(|mesh| filling::GatherBatch::new(&job.built.scene, &job.options, mesh, &points, watch))
         })?;
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }

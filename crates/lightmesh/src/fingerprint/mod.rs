@@ -37,7 +37,7 @@ impl Fingerprint {
 
     /// Of the settings that values of mesh points depend on: method (`hybrid` and `unbiased` have the same points), falloff,
     /// neighbourhood and weights, spacings, number of levels, light error, gather rays, depth and seed, and whether the error is bounded.
-    /// Not of the number of bounces, which [`Contents`](crate::Contents) tell.
+    /// Not of the number of bounces, which [`Snapshot`](crate::Snapshot) tell.
     pub fn of_settings(options: &RenderOptions) -> Self {
         let mut digest = Digest::new("lightmesh settings");
         let paper = options.method == Method::Paper;

@@ -41,7 +41,7 @@ impl Meter {
 
     /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
     /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
-    pub(crate) fn vertex(&self, scene: &Scene) -> ShadingPoint {
+    pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
         let bounds = scene.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let n = self.direction();

@@ -9,10 +9,10 @@
 use glam::Vec3;
 
 use super::bricks::Slot;
-use super::corners::{bits, corner};
+use super::corners::{corner, set_bits};
 use super::lattice::{Coordinate, ON_SURFACE};
-use super::read_result::Outcome;
-use super::refinement::Level;
+use super::read_result::ReadResult;
+use super::refinement::RefinementLevel;
 use super::stencil::{Stencil, stencil};
 use crate::MissingCorners;
 use crate::interaction::ShadingPoint;
@@ -24,41 +24,41 @@ const OFFSET: f32 = ON_SURFACE;
 /// Hands out (index, weight) of the corners of the vertex' cell that are there, the weights with what the rule moves to them; none
 /// if any is still empty: then those are marked.
 pub(super) fn read_with(
-    level: &Level,
+    level: &RefinementLevel,
     rule: MissingCorners,
     vertex: &ShadingPoint,
     mut mark: impl FnMut(Coordinate),
     mut take: impl FnMut(u32, f32),
-) -> Outcome {
+) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
     let is = |k: &usize, wanted: fn(Slot) -> bool| wanted(slots[*k]);
     let mut empty = false;
-    for k in bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
+    for k in set_bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
         mark(corner(stencil.cell, k));
         empty = true;
     }
     if empty {
-        return Outcome::Empty;
+        return ReadResult::Pending;
     }
-    let there = mask(bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
+    let there = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
     if there == 0 {
-        return Outcome::Nothing;
+        return ReadResult::Unavailable;
     }
     let weights = moved(rule, &stencil, vertex, there);
-    for k in bits(there) {
+    for k in set_bits(there) {
         if let Slot::Filled(index) = slots[k] {
             take(index, weights[k]);
         }
     }
-    Outcome::Read
+    ReadResult::Value
 }
 
 /// The part of the trilinear weight that corners have which are there; all of them have been evaluated.
-pub(super) fn usable_share(level: &Level, vertex: &ShadingPoint) -> f32 {
+pub(super) fn usable_share(level: &RefinementLevel, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
-    stencil.sum(mask(bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
+    stencil.sum(mask(set_bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
 }
 
 /// The corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
@@ -79,7 +79,7 @@ fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, there: 
         MissingCorners::Mirror => Some(1 << longest_axis(vertex.ng)),
     };
     let nearest = nearest(stencil, there);
-    for k in bits(!there) {
+    for k in set_bits(!there) {
         let to = across.map(|bit| k ^ bit).filter(|&k| there >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);
     }
@@ -100,12 +100,12 @@ fn nearest(stencil: &Stencil, corners: u8) -> usize {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32);
         corner.distance_squared(place)
     };
-    bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
+    set_bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::corners::bits;
+    use super::super::corners::set_bits;
     use super::super::lattice::Lattice;
     use super::*;
     use crate::geometry::Aabb;
@@ -126,7 +126,7 @@ mod tests {
         let (vertex, stencil) = at(Vec3::Z);
         let there = before_plane(&stencil);
         assert_eq!(there, 0b1111_0000);
-        let sum = |rule| bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
+        let sum = |rule| set_bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
         assert!(
             (sum(MissingCorners::Zero) - 0.2).abs() < 2e-3 && sum(MissingCorners::Zero) == sum(MissingCorners::One)
         );

@@ -19,42 +19,42 @@ const MIN_WEIGHT: f32 = 1e-3;
 
 /// Which points D_y holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Neighbourhood {
+pub(crate) enum Interpolator {
     Trilinear,
     TrilinearWith(MissingCorners),
-    Sphere(Ball),
+    Sphere(SphereStencil),
     Nearest,
 }
 
 /// A sphere of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ball {
+pub(crate) struct SphereStencil {
     /// In spacings.
     pub radius: f32,
     pub weight: PointWeight,
     /// How far its middle is off the surface, along the normal, in spacings: 0 as the paper has it.
-    pub lift: f32,
+    pub normal_offset: f32,
 }
 
-impl Ball {
-    /// [`Ball::lift`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
+impl SphereStencil {
+    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
     /// out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1 13.8%.
     const LIFT: f32 = 0.6;
 }
 
-impl Neighbourhood {
+impl Interpolator {
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let weight = options.weight;
         let mended = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
-        let lift = if mended { Ball::LIFT } else { 0.0 };
+        let lift = if mended { SphereStencil::LIFT } else { 0.0 };
         match options.interpolation {
             Interpolation::Auto if options.method == Method::Paper => {
-                Self::Sphere(Ball { radius: Interpolation::DEFAULT_RADIUS, weight, lift })
+                Self::Sphere(SphereStencil { radius: Interpolation::DEFAULT_RADIUS, weight, normal_offset: lift })
             }
             Interpolation::Auto => Self::Trilinear,
             Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere(Ball { radius, weight, lift }),
+            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset: lift }),
             Interpolation::Nearest => Self::Nearest,
         }
     }
@@ -72,7 +72,7 @@ impl Neighbourhood {
             Self::Nearest => 0.0,
             Self::Sphere(ball) => {
                 // The sum is rounded otherwise than the reader's.
-                let r = 1.001 * (ball.radius + ball.lift) * lattice.spacing();
+                let r = 1.001 * (ball.radius + ball.normal_offset) * lattice.spacing();
                 return lattice.range(p - r, p + r);
             }
         };
@@ -84,7 +84,7 @@ impl Neighbourhood {
     pub(crate) fn reach(self) -> u32 {
         match self {
             Self::Trilinear | Self::TrilinearWith(_) | Self::Nearest => 1,
-            Self::Sphere(ball) => (ball.radius + ball.lift).ceil() as u32,
+            Self::Sphere(ball) => (ball.radius + ball.normal_offset).ceil() as u32,
         }
     }
 }
@@ -153,7 +153,7 @@ pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
 pub(super) fn sphere(
     lattice: &Lattice,
     vertex: &ShadingPoint,
-    Ball { radius, weight, lift }: Ball,
+    SphereStencil { radius, weight, normal_offset: lift }: SphereStencil,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
     let r = radius * lattice.spacing();
