@@ -97,6 +97,17 @@ pub(crate) fn vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>>
     Ok(rows::<3>(value, name)?.into_iter().map(Vec3::from_array).collect())
 }
 
+/// Finite points, (n, 3).
+pub(crate) fn finite_vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
+    let points = vec3s(value, name)?;
+    match points.iter().position(|point| !point.is_finite()) {
+        None => Ok(points),
+        Some(index) => {
+            Err(error::scene(value.py(), format!("{name}: {} of index {index} is not finite", points[index])))
+        }
+    }
+}
+
 /// Meters: positions (n, 3), metres, and a normal for each, (n, 3), or one for all, (3,).
 pub(crate) fn meters(positions: &Bound<'_, PyAny>, normals: &Bound<'_, PyAny>) -> PyResult<Vec<Meter>> {
     let positions = vec3s(positions, "positions")?;

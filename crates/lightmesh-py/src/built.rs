@@ -25,14 +25,14 @@ pub(crate) struct Built {
 #[derive(Debug)]
 pub(crate) enum BuildError {
     Scene(lightmesh::Error),
-    Environment(lightmesh_io::Error),
+    File(lightmesh_io::Error),
 }
 
 impl Raise for BuildError {
     fn raise(self, py: pyo3::Python<'_>) -> pyo3::PyErr {
         match self {
             Self::Scene(error) => error.raise(py),
-            Self::Environment(error) => error.raise(py),
+            Self::File(error) => error.raise(py),
         }
     }
 }
@@ -44,7 +44,7 @@ impl Built {
         let mut warnings = Vec::new();
         let asked_for =
             lightmesh_cli::read_environment(emitters, max_memory, |warning| warnings.push(warning.to_owned()))
-                .map_err(BuildError::Environment)?;
+                .map_err(BuildError::File)?;
         let own_environment = data.environment.clone();
         let applied = lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
         warnings.extend(applied.iter().map(|warning| without_dashes(warning)));

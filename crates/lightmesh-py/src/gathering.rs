@@ -1,6 +1,6 @@
 //! Points of the indirect mesh that one process gathers light for.
 
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use lightmesh::filling::{Gathering, LevelValues};
 use numpy::ndarray::{Array2, Array3};
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::bricks::BrickArrays;
 use crate::error::{self, Raise};
-use crate::picture_job::{Job, JobError};
+use crate::job::{Job, JobError};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks};
 
@@ -123,9 +123,9 @@ impl PyGathering {
         work: impl FnOnce(&Job, &mut Gathering, &Watch) -> Result<T, JobError> + Send + 'static,
     ) -> PyResult<T> {
         let (job, gathering) = (Arc::clone(&self.job), Arc::clone(&self.gathering));
-        let work = move |watch: &Watch| match gathering.try_lock() {
-            Ok(mut gathering) => work(&job, &mut gathering, watch),
-            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
+        let work = move |watch: &Watch| {
+            let mut gathering = gathering.try_lock().map_err(|_| JobError::InUse)?;
+            work(&job, &mut gathering, watch)
         };
         work::run(py, self.threads, callback, AtInterrupt::Wait, work)?.map_err(|error| error.raise(py))
     }

@@ -3,18 +3,18 @@
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use lightmesh::LightMesh;
-use lightmesh_cli::{Keywords, SOFTWARE, method_name, settings_json};
+use lightmesh_cli::{SOFTWARE, method_name, settings_json};
 use lightmesh_io::output::StagedFile;
 use lightmesh_io::{Error, MeshFile, Units, write_mesh_to};
 use pyo3::prelude::*;
 
-use crate::built::Built;
 use crate::error::{self, Raise};
 use crate::keywords::{self, Pairs};
-use crate::light_mesh::{self, IN_USE};
+use crate::scene::LitScene;
+use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 
 /// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment that is a file is
@@ -56,15 +56,18 @@ enum SaveError {
 pub(crate) fn save(
     py: Python<'_>,
     path: PathBuf,
-    (keywords, built, mesh, units): (&Keywords, Arc<Built>, Arc<Mutex<LightMesh>>, Units),
+    lit: LitScene,
+    mesh: SharedMesh,
+    units: Units,
     callback: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<()> {
+    let LitScene { keywords, built } = lit;
     let options = keywords.mesh_options();
     let settings = settings_json(&options, keywords.emitters(), units, "");
     let work = move |watch: &Watch| {
         let mut staged = StagedFile::create(&path).map_err(SaveError::File)?;
         let file = {
-            let mesh = light_mesh::lock(&mesh).ok_or(SaveError::MeshInUse)?;
+            let mesh = mesh.lock().ok_or(SaveError::MeshInUse)?;
             MeshFile::new(&built.scene, &options, &mesh, (SOFTWARE, method_name(options.method), &settings))
         };
         let total = file.array_bytes();
@@ -76,7 +79,7 @@ pub(crate) fn save(
         staged.commit().map_err(SaveError::File)
     };
     work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?.map_err(|error| match error {
-        SaveError::MeshInUse => error::general(py, IN_USE),
+        SaveError::MeshInUse => shared_mesh::in_use(py),
         SaveError::File(error) => error.raise(py),
     })
 }
@@ -137,11 +140,11 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Open
 
 impl Opened {
     /// The mesh, for the scene that it was made for.
-    pub(crate) fn into_mesh(self, py: Python<'_>, built: &Arc<Built>, keywords: &Keywords) -> PyResult<LightMesh> {
-        let (built, options) = (Arc::clone(built), keywords.mesh_options());
+    pub(crate) fn into_mesh(self, py: Python<'_>, lit: &LitScene) -> PyResult<LightMesh> {
+        let (built, options) = (Arc::clone(&lit.built), lit.keywords.mesh_options());
         let Self { path, file, map, .. } = self;
         let make = move |_: &Watch| file.into_mesh(&path, &built.scene, &options);
-        let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?;
+        let made = work::run(py, lit.keywords.threads(), None, AtInterrupt::Abandon, make)?;
         made.map_err(|error| match (error, map) {
             (error @ Error::OtherScene { .. }, Some(map)) => {
                 error::scene(py, format!("{error}; it was lit by {map}: say so with environment="))

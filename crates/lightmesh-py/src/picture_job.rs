@@ -1,27 +1,26 @@
 //! One picture of which several processes take parts.
 
-mod job;
-
-use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use lightmesh::filling::{self, Wanted};
-use lightmesh::portions::{self, Outlines, PictureSamples, Portion};
-use lightmesh::{Fingerprint, LightMesh, RenderStats};
+use lightmesh::portions::{self, Portion};
+use lightmesh::{Fingerprint, LightMesh};
 use lightmesh_cli::{SOFTWARE, Stats, method_name};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-pub(crate) use self::job::{Job, JobError};
 use crate::bricks::BrickArrays;
-use crate::error::{self, Raise};
+use crate::error::Raise;
 use crate::gathering::PyGathering;
-use crate::image::{PyImage, from_json, metadata};
-use crate::light_mesh::PyLightMesh;
-use crate::scene::{PyScene, scene_camera};
+use crate::image::{PyImage, metadata};
+use crate::job::{Job, JobError};
+use crate::light_mesh::{self, PyLightMesh};
+use crate::portions::{from_dict, outlines_of, samples, to_dict};
+use crate::scene::{LitScene, PyScene, scene_camera};
+use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{arrays, bricks, keywords};
+use crate::{arrays, bricks, json, keywords};
 
 /// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with it).
 ///
@@ -49,23 +48,27 @@ impl PyPictureJob {
     ) -> PyResult<Self> {
         let py = scene.py();
         let chosen = keywords::pairs("PictureJob", options)?;
-        let (keywords, built) = scene.get().keywords_and_built(scene, mesh, &chosen)?;
-        let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
+        let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen)?;
+        let camera = scene_camera(built.scene.data(), camera)?;
         let options = keywords.options(&camera);
         options.check_picture_memory().map_err(|error| error.raise(py))?;
-        let shared = mesh.map(|mesh| Arc::clone(&mesh.get().mesh));
+
+        // Make a mesh, unless there is one.
+        let shared = mesh.map(|mesh| mesh.get().mesh.clone());
         let (theirs, mesh_options) = (Arc::clone(&built), options.clone());
         let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, move |_| {
             let mesh = match shared {
                 Some(mesh) => mesh,
-                None => Arc::new(Mutex::new(LightMesh::new(&theirs.scene, &mesh_options)?)),
+                None => SharedMesh::new(LightMesh::new(&theirs.scene, &mesh_options)?),
             };
             Ok((mesh, Fingerprint::of_scene(&theirs.scene)))
         })?;
         let (mesh, fingerprint) = made.map_err(|error: lightmesh::Error| error.raise(py))?;
+
+        let origin = &scene.get().origin;
         let job = Job {
-            name: scene.get().name.clone(),
-            units: scene.get().units,
+            name: origin.name.clone(),
+            units: origin.units,
             emitters: keywords.emitters().clone(),
             built,
             camera,
@@ -127,7 +130,7 @@ impl PyPictureJob {
     #[pyo3(signature = (*, progress=None))]
     fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.run(py, progress, |job, watch| job.with_prepared(watch, |_, prepared| Ok(prepared.stats)))?;
-        from_json(py, &json(&stats)?)
+        json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
     /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that this process lacks.
@@ -201,19 +204,13 @@ impl PyPictureJob {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let outlines = outlines.map(outlines_of).transpose()?;
-        let Portion { waves, values, seen, stats } = self.run(py, progress, move |job, watch| {
+        let portion = self.run(py, progress, move |job, watch| {
             job.with_prepared(watch, |mesh, prepared| {
                 let part = (prepared, samples(outlines.as_ref()), first..last);
                 portions::render(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
             })
         })?;
-        let portion = PyDict::new(py);
-        portion.set_item("first", waves.start)?;
-        portion.set_item("last", waves.end)?;
-        portion.set_item("values", values.into_pyarray(py))?;
-        portion.set_item("seen", seen.into_pyarray(py))?;
-        portion.set_item("stats", json(&stats)?)?;
-        Ok(portion)
+        to_dict(py, portion)
     }
 
     /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and how many waves they
@@ -223,7 +220,7 @@ impl PyPictureJob {
         py: Python<'py>,
         portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<Option<(Bound<'py, PyArray1<u8>>, u64)>> {
-        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = self.run(py, None, move |job, _| {
             Ok(portions::outlines(&job.built.scene, &job.camera, &job.options, &taken)?)
         })?;
@@ -239,8 +236,8 @@ impl PyPictureJob {
         outlines: Option<&Bound<'py, PyTuple>>,
         outline_portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<PyImage> {
-        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
-        let anew: Vec<Portion> = outline_portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
+        let anew: Vec<Portion> = outline_portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = outlines.map(outlines_of).transpose()?;
         let job = &self.job;
         let frame = self.run(py, None, move |job, _| {
@@ -248,11 +245,8 @@ impl PyPictureJob {
             Ok(portions::assemble(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
         })?;
         let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
-        let text = serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?;
-        let mut metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
-        (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
-        metadata.estimated_error = frame.stats.estimated_error;
-        Ok(PyImage::of_frame(frame, metadata, text))
+        let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
+        Ok(PyImage::of_frame(frame, metadata, json::written(serde_json::to_string(&stats))?))
     }
 
     fn __repr__(&self) -> String {
@@ -277,32 +271,4 @@ impl PyPictureJob {
         let done = work::run(py, self.threads, callback, AtInterrupt::Wait, move |watch| work(&job, watch))?;
         done.map_err(|error| error.raise(py))
     }
-}
-
-fn samples(outlines: Option<&Outlines>) -> PictureSamples<'_> {
-    outlines.map_or(PictureSamples::All, PictureSamples::Outlines)
-}
-
-/// What [`PyPictureJob::outlines`] gave.
-fn outlines_of(value: &Bound<'_, PyTuple>) -> PyResult<Outlines> {
-    let (seen, waves): (Bound<'_, PyAny>, u64) = value.extract()?;
-    Ok(Outlines { seen: arrays::bytes(&seen, "outlines")?, waves })
-}
-
-/// What [`PyPictureJob::render`] gave.
-fn portion_of(value: &Bound<'_, PyDict>) -> PyResult<Portion> {
-    let item = |name: &str| {
-        let missing = || error::option(value.py(), format!("portions: one has no {name:?}"));
-        value.get_item(name)?.ok_or_else(missing)
-    };
-    let waves: Range<u64> = item("first")?.extract()?..item("last")?.extract()?;
-    let text: String = item("stats")?.extract()?;
-    let stats: RenderStats =
-        serde_json::from_str(&text).map_err(|error| error::option(value.py(), format!("portions: stats: {error}")))?;
-    let values = arrays::floats(&item("values")?, "values")?.values;
-    Ok(Portion { waves, values, seen: arrays::bytes(&item("seen")?, "seen")?, stats })
-}
-
-fn json(stats: &RenderStats) -> PyResult<String> {
-    serde_json::to_string(stats).map_err(|error| error::internal(&error.to_string()))
 }

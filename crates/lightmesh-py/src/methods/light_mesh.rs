@@ -1,49 +1,20 @@
-//! Meshes of light that outlive pictures.
+//! The methods of LightMesh.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::Arc;
 
-use lightmesh::{LightMesh, RenderOptions};
-use lightmesh_cli::{Keywords, MeshesStats, WorkStats};
+use lightmesh::LightMesh;
+use lightmesh_cli::MeshesStats;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::built::Built;
 use crate::error::{self, Raise};
-use crate::image::from_json;
-use crate::keywords::{self, Pairs};
+use crate::light_mesh::{Part, PyLightMesh, PyMeshArrays, Target};
 use crate::listener::Listener;
-use crate::mesh_arrays::{Part, PyMeshArrays};
-use crate::scene::PyScene;
-use crate::work::{self, AtInterrupt, locked};
-use crate::{arrays, mesh_files, meters};
-
-/// Light at points in space, computed where pictures or meters first ask for it and kept from one to the next.
-///
-/// scene: what it belongs to; when that is changed, the mesh no longer serves it.
-/// The options are those of Scene.render; the ones that decide about the mesh (method, bounces, spacings, interpolation, weight, falloffs,
-/// refine, graded, error, light_error, gather_rays, seed, and what lights the scene) cannot be changed afterwards, and all of them
-/// hold for pictures with this mesh that do not say otherwise.
-///
-/// >>> mesh = LightMesh(scene, spacing="1/80")
-/// >>> pictures = [scene.render(camera=camera, mesh=mesh) for camera in scene.cameras]
-/// >>> lux = mesh.irradiance([[0, 0.85, 0]], [0, 1, 0])
-///
-/// Every method ends soon after Ctrl-C, and then the mesh keeps what it has learned. One thread at a time works with a mesh: another
-/// one gets an Error.
-#[pyclass(name = "LightMesh", module = "lightmesh", frozen)]
-pub(crate) struct PyLightMesh {
-    scene: Py<PyScene>,
-    /// Of the scene when the mesh was made.
-    revision: u64,
-    chosen: Pairs,
-    /// Keeps the scene that the mesh was made for.
-    built: Arc<Built>,
-    pub(crate) mesh: Arc<Mutex<LightMesh>>,
-    /// What it knew when somebody last looked at its points.
-    arrays: Mutex<Option<Py<PyMeshArrays>>>,
-}
+use crate::scene::{LitScene, PyScene};
+use crate::work::{self, AtInterrupt};
+use crate::{arrays, json, keywords, mesh_files};
 
 #[pymethods]
 impl PyLightMesh {
@@ -55,9 +26,9 @@ impl PyLightMesh {
     fn new(scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let py = scene.py();
         let chosen = keywords::pairs("LightMesh", options)?;
-        Self::make(scene, chosen, |keywords, built| {
-            let (options, theirs) = (keywords.mesh_options(), Arc::clone(built));
-            let make = move |_: &work::Watch| LightMesh::new(&theirs.scene, &options);
+        Self::with(scene, chosen, |LitScene { keywords, built }| {
+            let (options, built) = (keywords.mesh_options(), Arc::clone(built));
+            let make = move |_: &work::Watch| LightMesh::new(&built.scene, &options);
             work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?.map_err(|error| error.raise(py))
         })
     }
@@ -76,7 +47,7 @@ impl PyLightMesh {
         let py = scene.py();
         let file = mesh_files::open(py, path, &keywords::pairs("load", options)?)?;
         let chosen = file.chosen.clone();
-        Self::make(scene, chosen, |keywords, built| file.into_mesh(py, built, keywords))
+        Self::with(scene, chosen, |lit| file.into_mesh(py, lit))
     }
 
     /// Writes all that the mesh knows, and its settings: safetensors, which other programs read too. The file appears whole or not at all.
@@ -84,10 +55,10 @@ impl PyLightMesh {
     /// progress: as for Scene.render, in bytes.
     #[pyo3(signature = (path, *, progress=None))]
     fn save(&self, py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let (keywords, built) = self.own(py)?;
+        let lit = self.own_scene(py)?;
         let listener = Listener::new(py, progress)?;
-        let what = (&keywords, built, Arc::clone(&self.mesh), self.scene.get().units);
-        listener.close(mesh_files::save(py, path, what, listener.callback()))
+        let units = self.scene.get().origin.units;
+        listener.close(mesh_files::save(py, path, lit, self.mesh.clone(), units, listener.callback()))
     }
 
     /// Evaluates points before anybody reads them: what is read later is the same, and shoots no more rays for them.
@@ -106,35 +77,12 @@ impl PyLightMesh {
         region: Option<&Bound<'py, PyAny>>,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        enum Where {
-            Around(Vec<glam::Vec3>),
-            Box(lightmesh::geometry::Aabb),
-        }
-        let wanted = match (points, region) {
-            (Some(points), None) => Where::Around(arrays::vec3s(points, "points")?),
-            (None, Some(region)) => Where::Box(arrays::region(region, "region")?),
+        let target = match (points, region) {
+            (Some(points), None) => Target::Around(arrays::finite_vec3s(points, "points")?),
+            (None, Some(region)) => Target::Box(arrays::region(region, "region")?),
             _ => return Err(PyTypeError::new_err("fill() takes either points or region")),
         };
-        if let Where::Around(points) = &wanted
-            && let Some(index) = points.iter().position(|point| !point.is_finite())
-        {
-            return Err(error::scene(py, format!("points: {} of index {index} is not finite", points[index])));
-        }
-        let (keywords, built) = self.own(py)?;
-        let (mesh, options) = (Arc::clone(&self.mesh), keywords.mesh_options());
-        let work = move |watch: &work::Watch| {
-            let mut mesh = lock(&mesh)?;
-            let filled = match &wanted {
-                Where::Around(points) => mesh.fill_around(&built.scene, &options, points, watch),
-                Where::Box(bounds) => mesh.fill_box(&built.scene, &options, bounds, watch),
-            };
-            Some(filled.map(|stats| WorkStats::new(&options, &stats)))
-        };
-        let listener = Listener::new(py, progress)?;
-        let filled = work::run(py, keywords.threads(), listener.callback(), AtInterrupt::Wait, work);
-        let filled = listener.close(filled)?.ok_or_else(|| error::general(py, IN_USE))?;
-        let stats = filled.map_err(|error| error.raise(py))?;
-        from_json(py, &serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?)
+        json::parse(py, &self.fill_target(py, target, progress)?)
     }
 
     /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
@@ -199,27 +147,27 @@ impl PyLightMesh {
     /// points_refined, points_total, points_invalid and bytes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let stats = self.look(py, MeshesStats::of)?;
-        from_json(py, &serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?)
+        let stats = self.with_mesh(py, MeshesStats::of)?;
+        json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
     /// Between neighbours of the direct mesh, metres; on level l half of it l times.
     #[getter]
     fn spacing(&self, py: Python<'_>) -> PyResult<f64> {
-        self.look(py, |mesh| mesh.stats().spacing_m)
+        self.with_mesh(py, |mesh| mesh.stats().spacing_m)
     }
 
     /// Between neighbours of the indirect mesh, metres; None where there is none.
     #[getter]
     fn indirect_spacing(&self, py: Python<'_>) -> PyResult<Option<f64>> {
-        self.look(py, |mesh| Some(mesh.indirect_stats().spacing_m).filter(|&spacing| spacing > 0.0))
+        self.with_mesh(py, |mesh| Some(mesh.indirect_stats().spacing_m).filter(|&spacing| spacing > 0.0))
     }
 
     /// Points of the direct mesh that have been evaluated: (N, 3), metres, float32. Their order means nothing, but that of values, valid
     /// and levels is the same. Arrays of a mesh cannot be written to, and keep what they show while the mesh learns more.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::points(&self.arrays(py)?, Part::Direct)
+        PyMeshArrays::points(&self.snapshot(py)?, Part::Direct)
     }
 
     /// What the points know of direct light, float32; NaN for points that give none (valid).
@@ -230,29 +178,30 @@ impl PyLightMesh {
     /// OptionError; irradiance measures there.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let values = PyMeshArrays::values(&self.arrays(py)?, Part::Direct)?;
+        let values = PyMeshArrays::values(&self.snapshot(py)?, Part::Direct)?;
         values.ok_or_else(|| {
-            let what = "values: with hybrid, unbiased and error points know which lights they see, and no irradiance; use irradiance()";
-            error::option(py, what)
+            let message =
+                "values: with hybrid, unbiased and error points know which lights they see, and no irradiance; use irradiance()";
+            error::option(py, message)
         })
     }
 
     /// Whether points of the direct mesh give light: (N,), bool; those that do not were found in solids or on surfaces.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::valid(&self.arrays(py)?, Part::Direct)
+        PyMeshArrays::valid(&self.snapshot(py)?, Part::Direct)
     }
 
     /// On which level points of the direct mesh are: (N,), uint8; 0 but with refine, graded or error.
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::levels(&self.arrays(py)?, Part::Direct)
+        PyMeshArrays::levels(&self.snapshot(py)?, Part::Direct)
     }
 
     /// Points of the indirect mesh that have been evaluated: (N, 3), metres, float32, as for points.
     #[getter]
     fn indirect_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::points(&self.arrays(py)?, Part::Indirect)
+        PyMeshArrays::points(&self.snapshot(py)?, Part::Indirect)
     }
 
     /// What they know of indirect light, after the mesh's bounces: (N, 6, 3), lux, float32: by point the irradiance on planes that face +x,
@@ -260,118 +209,26 @@ impl PyLightMesh {
     /// that give none.
     #[getter]
     fn indirect_values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let values = PyMeshArrays::values(&self.arrays(py)?, Part::Indirect)?;
+        let values = PyMeshArrays::values(&self.snapshot(py)?, Part::Indirect)?;
         values.ok_or_else(|| error::internal("indirect light has no values"))
     }
 
     /// Whether points of the indirect mesh give light: (N,), bool.
     #[getter]
     fn indirect_valid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::valid(&self.arrays(py)?, Part::Indirect)
+        PyMeshArrays::valid(&self.snapshot(py)?, Part::Indirect)
     }
 
     /// On which level points of the indirect mesh are: (N,), uint8.
     #[getter]
     fn indirect_levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        PyMeshArrays::levels(&self.arrays(py)?, Part::Indirect)
+        PyMeshArrays::levels(&self.snapshot(py)?, Part::Indirect)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
-        let scene = self.scene.get().name.clone();
-        let points = py.detach(|| self.mesh.try_lock().ok().map(|mesh| mesh.stats().points_used));
+        let scene = &self.scene.get().origin.name;
+        let points = py.detach(|| self.mesh.lock().map(|mesh| mesh.stats().points_used));
         let points = points.map_or("in use".to_owned(), |points| format!("{points} points of direct light"));
         format!("<lightmesh.LightMesh of {scene:?}, {points}>")
-    }
-}
-
-/// What is said of a mesh that another thread works with, or that was left in pieces.
-pub(crate) const IN_USE: &str = "mesh: another thread works with it, or failed inside while it did";
-
-/// A mesh that nobody else works with; `None`: another thread does, or failed inside while it did.
-pub(crate) fn lock(mesh: &Mutex<LightMesh>) -> Option<MutexGuard<'_, LightMesh>> {
-    mesh.try_lock().ok()
-}
-
-impl PyLightMesh {
-    /// A mesh with these options.
-    fn make(
-        scene: &Bound<'_, PyScene>,
-        chosen: Pairs,
-        mesh: impl FnOnce(&Keywords, &Arc<Built>) -> PyResult<LightMesh>,
-    ) -> PyResult<Self> {
-        let py = scene.py();
-        let keywords = keywords::parse(py, &chosen)?;
-        if !keywords.mesh_options().method.has_mesh() {
-            return Err(error::option(py, "method: standard and path have no mesh"));
-        }
-        let revision = scene.get().revision();
-        let built = scene.get().built(py, &keywords)?;
-        let mesh = Arc::new(Mutex::new(mesh(&keywords, &built)?));
-        Ok(Self { scene: scene.clone().unbind(), revision, chosen, built, mesh, arrays: Mutex::new(None) })
-    }
-
-    /// Its own options, and the scene as it knows it.
-    fn own(&self, py: Python<'_>) -> PyResult<(Keywords, Arc<Built>)> {
-        self.keywords_and_scene(self.scene.bind(py), &Pairs::new())
-    }
-
-    /// Looks at it as it is.
-    fn look<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&LightMesh) -> T + Send) -> PyResult<T> {
-        let seen = py.detach(|| lock(&self.mesh).map(|mesh| look(&mesh)));
-        seen.ok_or_else(|| error::general(py, IN_USE))
-    }
-
-    /// Measures, with fewer bounces where that is said.
-    fn read<'py>(
-        &self,
-        positions: &Bound<'py, PyAny>,
-        normals: &Bound<'py, PyAny>,
-        progress: Option<&Bound<'py, PyAny>>,
-        bounces: Option<u32>,
-    ) -> PyResult<meters::Reading> {
-        let py = positions.py();
-        let meters = arrays::meters(positions, normals)?;
-        let (keywords, built) = self.own(py)?;
-        let options = keywords.mesh_options();
-        let options = RenderOptions { bounces: bounces.unwrap_or(options.bounces), ..options };
-        meters::measure(py, (built, &keywords, options), meters, Some(&self.mesh), progress)
-    }
-
-    /// What it knows, as arrays; kept until it knows more.
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyMeshArrays>> {
-        let kept = locked(&self.arrays).as_ref().map(|arrays| arrays.clone_ref(py));
-        if let Some(arrays) = kept {
-            let arrays = arrays.into_bound(py);
-            let seen = arrays.get();
-            if self.look(py, |mesh| seen.is_current(mesh))? {
-                return Ok(arrays);
-            }
-        }
-        let bounces = keywords::parse(py, &self.chosen)?.mesh_options().bounces;
-        let arrays = self.look(py, |mesh| PyMeshArrays::new(mesh, bounces))?;
-        let arrays = Bound::new(py, arrays)?;
-        *locked(&self.arrays) = Some(arrays.clone().unbind());
-        Ok(arrays)
-    }
-
-    /// The options of a picture with this mesh, and the scene as the mesh knows it.
-    pub(crate) fn keywords_and_scene(
-        &self,
-        scene: &Bound<'_, PyScene>,
-        chosen: &Pairs,
-    ) -> PyResult<(Keywords, Arc<Built>)> {
-        let py = scene.py();
-        if !self.scene.is(scene) {
-            return Err(error::option(py, "mesh: belongs to another scene"));
-        }
-        if self.revision != scene.get().revision() {
-            return Err(error::option(py, "mesh: the scene was changed since it was made; make a new one"));
-        }
-        let keywords = keywords::parse(py, &keywords::over(&self.chosen, chosen))?;
-        if *keywords.emitters() != self.built.emitters {
-            let what = "mesh: was made for another environment, light_samples or light_radius";
-            return Err(error::option(py, what));
-        }
-        Ok((keywords, Arc::clone(&self.built)))
     }
 }
