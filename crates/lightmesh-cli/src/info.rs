@@ -150,6 +150,7 @@ fn camera(index: usize, camera: &Camera) -> CameraInfo {
 /// The text form: one fact per line.
 fn describe(info: &Info) -> String {
     let Info { triangles, lights, .. } = info;
+    // Describe what every scene has.
     let mut lines = vec![
         info.scene.clone(),
         format!("triangles  {} ({} with instances)", triangles.unique, triangles.instanced),
@@ -158,6 +159,7 @@ fn describe(info: &Info) -> String {
         format!("lights     {} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
         format!("box        {} to {}, {} m", triple(info.r#box.min), triple(info.r#box.max), triple(info.r#box.size)),
     ];
+    // Describe what only some scenes have.
     if info.spheres > 0 {
         lines.push(format!("spheres    {}", info.spheres));
     }

@@ -2,8 +2,7 @@
 
 use std::fmt::Display;
 
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 /// Counts bytes before they are allocated.
 ///

@@ -49,6 +49,7 @@ pub fn read_environment(path: &Path, max_memory: u64) -> Result<EnvironmentMap, 
 /// Makes every texel a radiance.
 fn mend(name: String, image: Image) -> EnvironmentMap {
     let Image { width, height, pixels } = image;
+    // Replace values that are no radiance.
     let (mut dark, mut infinite) = (Mended::default(), Mended::default());
     let mut texels = Vec::with_capacity(pixels.len());
     for (i, pixel) in pixels.into_iter().enumerate() {
@@ -63,6 +64,7 @@ fn mend(name: String, image: Image) -> EnvironmentMap {
         texels.push([r, g, b, 1.0]);
     }
 
+    // Warn of what was replaced, and of what looks odd.
     let mut warnings = Warnings::default();
     let mut warn = |mended: Mended, message: &str| {
         if let Some(first) = mended.first {

@@ -49,6 +49,8 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
             image.layer_data.iter().flat_map(|l| &l.channel_data.list).map(|c| c.name.to_string()).collect();
         file.invalid(format_args!("has neither channels R, G, B nor Y, but {}", names.join(", ")))
     })?;
+
+    // Convert its samples to 32-bit floats.
     let pixels =
         r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
     Ok(Image { width: size.x() as u32, height: size.y() as u32, pixels })

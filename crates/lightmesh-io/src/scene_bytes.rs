@@ -5,7 +5,7 @@
 
 use lightmesh::SceneData;
 
-use crate::Error;
+use crate::error::Error;
 
 /// What the bytes begin with: a name and the version of this library.
 const MAGIC: [u8; 16] = *b"lightmesh scene\x01";
@@ -59,10 +59,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::load_options::LoadOptions;
+    use crate::scene_file::load;
 
     fn sample() -> SceneData {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-        crate::load(&path.join("cornell.glb"), &crate::LoadOptions::default()).expect("our own scene").data
+        load(&path.join("cornell.glb"), &LoadOptions::default()).expect("our own scene").data
     }
 
     /// Numbers, names and textures come back bit for bit.

@@ -62,6 +62,7 @@ impl PyMaterial {
         normal_scale: f32,
         name: &str,
     ) -> PyResult<Self> {
+        // Read the factors and the alpha mode.
         let color = |value: Option<&Bound<'_, PyAny>>, name, default| {
             value.map_or(Ok(default), |value| arrays::color(value, name))
         };
@@ -91,6 +92,8 @@ impl PyMaterial {
             normal_scale,
             ..Material::default()
         };
+
+        // Read the textures.
         let image = |value: Option<&Bound<'_, PyAny>>, name| value.map(|value| image(value, name)).transpose();
         let images = [
             image(base_color_texture, "base_color_texture")?,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use lightmesh::LightMesh;
 use lightmesh_cli::{SOFTWARE, method_name, settings_json};
 use lightmesh_io::output::StagedFile;
-use lightmesh_io::{Error, MeshFile, Units, write_mesh_to};
+use lightmesh_io::{Error, MeshFile, Provenance, Units, write_mesh_to};
 use pyo3::prelude::*;
 
 use crate::error::{self, Raise};
@@ -68,7 +68,9 @@ pub(crate) fn save(
         let mut staged = StagedFile::create(&path).map_err(SaveError::File)?;
         let file = {
             let mesh = mesh.lock().ok_or(SaveError::MeshInUse)?;
-            MeshFile::new(&built.scene, &options, &mesh, (SOFTWARE, method_name(options.method), &settings))
+            let method = method_name(options.method);
+            let provenance = Provenance { software: SOFTWARE, method, settings: &settings };
+            MeshFile::new(&built.scene, &options, &mesh, provenance)
         };
         let total = file.array_bytes();
         let mut out = Watched { out: &mut staged, watch, done: 0, total };

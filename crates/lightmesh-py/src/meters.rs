@@ -40,6 +40,8 @@ pub(crate) fn measure(
             Some(shared) => shared.lock().map(|mut mesh| measure(&mut mesh)),
         }
     };
+
+    // Listen to progress until it is done.
     let done = work::run(py, keywords.threads(), listener.callback(), AtInterrupt::Wait, work);
     let done = listener.close(done)?.ok_or_else(|| shared_mesh::in_use(py))?;
     let (measured, stats) = done.map_err(|error: lightmesh::Error| error.raise(py))?;

@@ -47,6 +47,7 @@ impl PyPictureJob {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
+        // Parse the options, light the scene and choose the camera.
         let chosen = keywords::pairs("PictureJob", options)?;
         let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen)?;
         let camera = scene_camera(built.scene.data(), camera)?;

@@ -110,6 +110,7 @@ pub(crate) fn run<T: Send + 'static>(
     at_interrupt: AtInterrupt,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
+    // Make a pool, if it is not the one that all share.
     let pool = match threads {
         None => None,
         Some(threads) => {
@@ -117,6 +118,8 @@ pub(crate) fn run<T: Send + 'static>(
             Some(pool.map_err(|error| error::general(py, format!("threads: {error}")))?)
         }
     };
+
+    // Start the work on a thread of its own.
     let watch = Watch { reports: Mutex::new(callback.map(|_| Vec::new())), ..Watch::default() };
     let slot = Arc::new(Slot { result: Mutex::new(None), filled: Condvar::new(), watch });
     let theirs = Arc::clone(&slot);

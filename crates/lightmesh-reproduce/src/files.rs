@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use lightmesh_io::output::StagedFile;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Report, Section};
+use crate::error::Error;
+use crate::report::{Report, Section};
 
 /// Where results go.
 pub(crate) struct Folder(PathBuf);

@@ -9,8 +9,9 @@ use lightmesh::{
     render,
 };
 
+use crate::error::Error;
 use crate::scenes::{self, SceneName};
-use crate::{Error, Watcher};
+use crate::watcher::Watcher;
 
 /// The laboratory of a run.
 pub(crate) struct Lab<'a> {

@@ -58,10 +58,13 @@ pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// # Errors
 /// [`Error`]; experiments that were finished are kept.
 pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Result<Report, Error> {
+    // Refuse unknown names before any work.
     if let Some(name) = options.only.iter().find(|name| EXPERIMENTS.iter().all(|e| e.id != name.as_str())) {
         let known = EXPERIMENTS.map(|e| e.id).join(", ");
         return Err(Error::Unknown { name: name.clone(), known });
     }
+
+    // Set up the folder, the report and the lab.
     let folder = Folder::create(folder)?;
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -71,6 +74,8 @@ pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Res
         sections: Vec::new(),
     };
     let mut lab = Lab::new(options.quick, watcher);
+
+    // Run each wanted experiment, unless an earlier run left its result in the folder.
     let wanted: Vec<_> = EXPERIMENTS
         .iter()
         .filter(|e| options.only.is_empty() || options.only.iter().any(|name| name == e.id))
@@ -93,6 +98,8 @@ pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Res
         };
         report.sections.push(section);
     }
+
+    // Write the numbers and the page.
     watcher.begin("writing the page", wanted.len(), wanted.len());
     folder.write(NUMBERS, &(serde_json::to_string_pretty(&report.without_images())? + "\n"))?;
     folder.write(PAGE, &page::html(&report))?;

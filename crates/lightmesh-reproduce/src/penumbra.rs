@@ -21,8 +21,10 @@ struct Sheet {
     corners: [Vec3; 3],
 }
 
-/// The picture of a place of Lambertian triangles without textures under one point light, at pixel centres.
-pub(crate) fn picture(place: &Place, (width, height): (u32, u32), radius: f32) -> Image {
+/// Renders a place of Lambertian triangles without textures under one point light, one ray through each pixel centre.
+/// `size`: width and height, pixels.
+pub(crate) fn picture(place: &Place, size: (u32, u32), radius: f32) -> Image {
+    let (width, height) = size;
     let film = place.camera.film(width, height);
     let sheets = sheets(place);
     let pixel = |i: u32| {
@@ -48,14 +50,20 @@ fn radiance(place: &Place, sheets: &[Sheet], ray: &Ray, radius: f32) -> Option<V
     let Target::Triangle { instance, triangle } = hit.target else { return None };
     let placed = &place.data.instances[instance as usize];
     let mesh = &place.data.meshes[placed.mesh];
+
+    // Compute the normal of the triangle, towards the camera.
     let corners = mesh.triangles[triangle as usize]
         .map(|i| placed.world_from_object.transform_point3(mesh.positions[i as usize]));
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
     let normal = if normal.dot(ray.direction) < 0.0 { normal } else { -normal };
+
+    // Find the light.
     let point = ray.at(hit.t);
     let Some(Light::Point { position, intensity_cd, .. }) = place.data.lights.first() else { return None };
     let to_light = *position - point;
     let cos = normal.dot(to_light.normalize()).max(0.0);
+
+    // Let the other sheets dim it.
     let others = sheets.iter().filter(|sheet| sheet.instance != instance);
     let passed = others.map(|sheet| passed(sheet, point, *position, radius)).fold(1.0, f64::min);
     let albedo = place.data.materials[mesh.material].base_color;
@@ -66,6 +74,8 @@ fn radiance(place: &Place, sheets: &[Sheet], ray: &Ray, radius: f32) -> Option<V
 fn passed(sheet: &Sheet, point: Vec3, light: Vec3, radius: f32) -> f64 {
     let Sheet { corners: [a, b, c], .. } = *sheet;
     let (direction, distance) = ((light - point).normalize(), light.distance(point));
+
+    // A ray that meets the triangle is blocked.
     let side = |a: Vec3, b: Vec3| (a - point).cross(b - point).dot(direction);
     let sides = [side(a, b), side(b, c), side(c, a)];
     let normal = (b - a).cross(c - a);
@@ -74,6 +84,8 @@ fn passed(sheet: &Sheet, point: Vec3, light: Vec3, radius: f32) -> f64 {
     if meets && along > 0.0 && along < distance {
         return 0.0;
     }
+
+    // A ray that misses it is dimmed by how near it comes to an edge, seen from the light's radius.
     let tau = [(a, b), (b, c), (c, a)].map(|(from, to)| {
         let (miss, t) = nearest(point, direction, from, to);
         if t <= 0.0 || t >= distance { 1.0 } else { f64::from(miss * distance / (radius * t)) }

@@ -6,8 +6,9 @@ use plotters::prelude::*;
 
 pub(crate) use plotters::chart::SeriesLabelPosition;
 
+use crate::error::Error;
 use crate::picture::data_uri;
-use crate::{Error, Figure, Panel};
+use crate::report::{Figure, Panel};
 
 /// A plot of some lines.
 pub(crate) struct Plot<'a> {

@@ -4,7 +4,7 @@ use glam::Vec3;
 use lightmesh::{Camera, Light, SceneData};
 use lightmesh_io::{LoadOptions, load_gltf_bytes};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A scene, told from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

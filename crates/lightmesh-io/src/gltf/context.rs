@@ -3,9 +3,9 @@
 use std::fmt::{self, Display};
 use std::path::Path;
 
-use crate::LoadOptions;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::LoadOptions;
 use crate::warnings::Warnings;
 
 /// The state of one reading.

@@ -9,8 +9,8 @@ use super::context::{Context, Place, place};
 use super::json::{self, Document};
 use super::node::Placed;
 use super::normals::unit;
-use crate::Units;
 use crate::error::Error;
+use crate::load_options::Units;
 
 /// Luminous efficacy that Blender's exporter multiplies lamps by, lm/W.
 const LUMENS_PER_WATT: f32 = 683.0;
@@ -35,6 +35,7 @@ fn light(
     placed: &Placed,
     light: &json::Light,
 ) -> Result<Option<Light>, Error> {
+    // Check its colour and intensity, and convert the unit.
     let light_place = place("light", placed.index, light.name.as_deref());
     if !(light.intensity >= 0.0 && light.intensity.is_finite()) {
         let what = format!("intensity {} is negative or not finite; check the lamp's power", light.intensity);
@@ -52,6 +53,8 @@ fn light(
     if !strength.is_finite() {
         return Err(context.invalid(light_place, "color times intensity leaves the range of 32-bit floats"));
     }
+
+    // Drop a range that is not positive, or infinite.
     let range = light.range.filter(|&range| {
         let usable = range > 0.0;
         if !usable {
@@ -101,8 +104,8 @@ fn cone(context: &mut Context<'_>, place: Place<'_>, spot: &json::Spot) -> (f32,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LoadOptions;
     use crate::budget::Budget;
+    use crate::load_options::LoadOptions;
 
     #[test]
     fn every_cone_has_a_ramp_that_f32_resolves() {

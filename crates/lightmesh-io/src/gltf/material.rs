@@ -16,6 +16,7 @@ pub(super) fn material(
     index: Option<usize>,
     textures: &mut Textures,
 ) -> Result<Material, Error> {
+    // Find the material.
     let default;
     let (source, at) = match index {
         Some(index) => {
@@ -31,10 +32,12 @@ pub(super) fn material(
     let name = source.name.clone().unwrap_or_default();
     context.spend(at, name.len() as u64, 1)?;
 
+    // Warn of extensions that are not read.
     for (extension, _) in extensions.unread().into_iter().filter(|(_, has_effect)| *has_effect) {
         context.warnings.add(at, &not_read(extension));
     }
 
+    // Fill in the defaults of the extensions that are.
     let [r, g, b, alpha] = pbr.base_color_factor.map(|value| unit(context, at, value));
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| e.emissive_strength);
     let default_specular = json::Specular::default();
@@ -45,6 +48,7 @@ pub(super) fn material(
         textures.refer(context, document, at, info.as_deref(), encoding)
     };
 
+    // Convert every property, each checked or clamped.
     Ok(Material {
         name,
         base_color: Vec3::new(r, g, b),

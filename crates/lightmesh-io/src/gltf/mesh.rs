@@ -46,6 +46,7 @@ fn read_primitive(
     primitive: &Primitive,
     at: PrimitivePlace<'_>,
 ) -> Result<Option<TriangleMesh>, Error> {
+    // Skip points, lines and primitives without positions.
     let topology = match primitive.mode.unwrap_or(4) {
         0 => {
             context.warnings.add(at, "points are not rendered");
@@ -113,6 +114,7 @@ fn read_shading(
     mesh: &mut TriangleMesh,
 ) -> Result<(), Error> {
     let (at, count) = (reader.at, Some(vertex_count));
+    // Read normals, and replace broken ones.
     if let Some(normal) = attributes.normal {
         let accessor = reader.open(context, "NORMAL", normal, &[3], count)?;
         mesh.normals = vertices.collect(context, at, &accessor, Vec3::from_array)?;
@@ -124,6 +126,7 @@ fn read_shading(
             normals::replace_zeros(&mut mesh.normals, broken, &mesh.positions, &mesh.triangles);
         }
     }
+    // Read tangents; if one is broken, leave all of them out.
     if let Some(tangent) = attributes.tangent {
         let accessor = reader.open(context, "TANGENT", tangent, &[4], count)?;
         let tangents = vertices.collect(context, at, &accessor, unit_tangent)?;
@@ -134,6 +137,7 @@ fn read_shading(
                 .add(at, "a tangent is zero or not finite: tangents are derived from texture coordinates"),
         }
     }
+    // Read both sets of texture coordinates.
     let sets = [("TEXCOORD_0", attributes.texcoord_0), ("TEXCOORD_1", attributes.texcoord_1)];
     for (uvs, (name, accessor)) in mesh.uvs.iter_mut().zip(sets) {
         if let Some(accessor) = accessor {
@@ -143,6 +147,7 @@ fn read_shading(
             context.warnings.add_many(at, "a texture coordinate is not finite: taken as zero", mended);
         }
     }
+    // Read vertex colours.
     if let Some(color) = attributes.color_0 {
         // Integer colours are normalised by definition, and exporters forget to say so.
         let accessor = reader.open(context, "COLOR_0", color, &[3, 4], count)?.normalize();

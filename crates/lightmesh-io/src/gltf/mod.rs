@@ -36,7 +36,7 @@ use self::json::Document;
 use self::texture::Textures;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
-use crate::{LoadOptions, Loaded};
+use crate::load_options::{LoadOptions, Loaded};
 
 /// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has
 /// them is refused where it is `None`.
@@ -60,6 +60,7 @@ pub(crate) fn read(
     options: &LoadOptions,
     budget: Budget,
 ) -> Result<Loaded, Error> {
+    // Parse the JSON, and refuse extensions that are required and not read.
     let container = container::split(file, bytes)?;
     let mut context = Context::new(file, folder, options, budget);
     context.spend("JSON", json::parsed_bytes(container.json), 1)?;

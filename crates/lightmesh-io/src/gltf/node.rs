@@ -31,6 +31,7 @@ pub(super) struct Visit {
 
 /// Walks the chosen scene. A node that is reached twice, by a cycle or from two parents, is an error.
 pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Visit, Error> {
+    // Find the roots, and pay for the lists.
     let scene = chosen_scene(context, document)?;
     let (roots, from) = roots(context, document, scene)?;
     let nodes = &document.nodes;
@@ -39,6 +40,7 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
     context.spend("nodes", carried, 3 * size_of::<Placed>() as u64)?;
     context.spend("nodes", nodes.len() as u64, 3 * size_of::<(usize, DAffine3)>() as u64 + 1)?;
 
+    // Walk from parents to children.
     let mut visit = Visit { scene, ..Visit::default() };
     let mut reached = vec![false; nodes.len()];
     // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse.
@@ -157,6 +159,8 @@ fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Res
         }
         return Ok(DAffine3::from_mat4(matrix));
     }
+
+    // Compose the transform of its parts; a quaternion need not have unit length.
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
         Some(rotation) => {

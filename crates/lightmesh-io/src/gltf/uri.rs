@@ -89,6 +89,7 @@ fn has_scheme(uri: &str) -> bool {
 
 /// The file at a relative path.
 fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    // Decode the name of the file.
     if has_scheme(uri) {
         let what = "has a scheme, but only data: and files beside the scene are read; \
                     download the file and refer to it by a relative path";
@@ -97,6 +98,8 @@ fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result
     let Ok(relative) = String::from_utf8(percent_decode(uri)) else {
         return Err(refuse(context, place, uri, "is not UTF-8 after percent-decoding; rename the file"));
     };
+
+    // Open the file, or say in the words of glTF why not.
     let missing = |context: &Context<'_>, target: &dyn Display, cause| Error::MissingFile {
         file: one_line(context.file),
         place: one_line(place),
@@ -116,6 +119,8 @@ fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result
         };
         refuse(context, place, uri, what)
     })?;
+
+    // Pay for its bytes, and read them.
     context.spend(place, beside.length, 1)?;
     beside.read().map_err(|cause| missing(context, &relative, cause))
 }

@@ -32,8 +32,7 @@ use std::path::Path;
 
 use lightmesh::{Contents, Counts, Fingerprint, LightMesh, RenderOptions, Scene};
 
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 pub use read::{mesh_from_bytes, read_mesh};
 pub use write::{mesh_to_bytes, write_mesh, write_mesh_to};
@@ -55,14 +54,21 @@ pub struct MeshFile {
     pub contents: Contents,
 }
 
+/// Who made a mesh file, and how: for people and programs that look at the file. [`MeshFile::check`] ignores it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Provenance<'a> {
+    /// Program and version, as in `lightmesh 0.1.0`.
+    pub software: &'a str,
+    /// How light was computed, as `--method` spells it.
+    pub method: &'a str,
+    /// Every setting, as a JSON object.
+    pub settings: &'a str,
+}
+
 impl MeshFile {
-    /// All that `mesh` knows, which belongs to this scene and these options. `software`, `method` and `settings` are for who reads the file.
-    pub fn new(
-        scene: &Scene,
-        options: &RenderOptions,
-        mesh: &LightMesh,
-        (software, method, settings): (&str, &str, &str),
-    ) -> Self {
+    /// Copies everything that `mesh` knows, which belongs to this scene and these options.
+    pub fn new(scene: &Scene, options: &RenderOptions, mesh: &LightMesh, provenance: Provenance<'_>) -> Self {
+        let Provenance { software, method, settings } = provenance;
         Self {
             scene: Fingerprint::of_scene(scene),
             settings_fingerprint: Fingerprint::of_settings(options),

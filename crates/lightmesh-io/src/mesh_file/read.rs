@@ -10,9 +10,8 @@ use safetensors::tensor::{Metadata, TensorInfo};
 use super::MeshFile;
 use super::arrays::read_contents;
 use super::tensor::{Number, to_little_endian};
-use crate::Error;
 use crate::budget::Budget;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 /// What the header says of itself.
 pub(super) const FORMAT: &str = "lightmesh mesh";

@@ -10,8 +10,7 @@ use serde::Serialize;
 use super::arrays::to_tensors;
 use super::tensor::Tensor;
 use super::{MeshFile, read};
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 use crate::output::StagedFile;
 
 /// The header: keys in the order of the alphabet, so that equal meshes are equal files.

@@ -37,12 +37,14 @@ const VERTEX_BYTES: usize = 3 * size_of::<Vec3>() + size_of::<glam::Vec4>() + 2 
 
 /// One part's triangles. A vertex is shared where position, texture coordinate and normal are.
 fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> Result<TriangleMesh, Error> {
+    // Find out which attributes the mesh has.
     let has_normal = |corner: &Corner| corner.normal.is_some_and(|i| obj.normals[i as usize] != Vec3::ZERO);
     let normals = part.corners.iter().any(has_normal);
     let uvs = part.corners.iter().any(|corner| corner.uv.is_some());
     let colors = !obj.colors.is_empty();
     let mut mesh = TriangleMesh { name: part.name.clone(), material, ..TriangleMesh::default() };
 
+    // Pay for it as if no vertex were shared.
     let place = if part.name.is_empty() { "faces" } else { part.name.as_str() };
     context.budget.take(
         context.file,
@@ -50,6 +52,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
         part.corners.len() as u64,
         (VERTEX_BYTES + size_of::<[u32; 3]>()) as u64,
     )?;
+    // Read each face: share vertices that are known, add the others, and cut it into triangles.
     let mut vertex_of: HashMap<Corner, u32> = HashMap::new();
     let (mut positions, mut indices): (Vec<Vec3>, Vec<u32>) = (Vec::new(), Vec::new());
     let mut start = 0;

@@ -86,7 +86,7 @@ impl Materials {
     }
 
     fn convert(&mut self, context: &mut Context<'_>, mtl: &Mtl, data: &mut SceneData) -> Result<Material, Error> {
-        // Colour and alpha, which share a texture.
+        // Read colour and alpha, which share a texture.
         let alpha = mtl.alpha.unwrap_or(1.0).clamp(0.0, 1.0);
         let color_texture = self.texture(context, mtl.diffuse_map.as_ref(), mtl.alpha_map.as_ref(), data)?;
         let has_color = color_texture.is_some() && mtl.diffuse_map.is_some();
@@ -97,12 +97,14 @@ impl Materials {
         };
         let covered = alpha < 1.0 || (color_texture.is_some() && mtl.alpha_map.is_some());
 
+        // Take an emission map without a colour, or with a black one, as it is.
         let emission_texture = self.texture(context, mtl.emission_map.as_ref(), None, data)?;
         let emission = match mtl.emission {
             Some(color) if !(emission_texture.is_some() && color == Vec3::ZERO) => color,
             _ if emission_texture.is_some() => Vec3::ONE,
             _ => Vec3::ZERO,
         };
+        // Fill in what every illumination model has.
         let lambert = Material {
             name: mtl.name.clone(),
             alpha,
@@ -115,6 +117,7 @@ impl Materials {
             ior: mtl.ior.unwrap_or(1.5).max(1.0),
             ..Material::lambert(base_color)
         };
+        // Make it a metal, a gloss or a glass by the number of the illumination model.
         Ok(match mtl.illumination {
             3 => Material {
                 base_color: mtl.specular.unwrap_or(base_color).min(Vec3::ONE),

@@ -16,8 +16,8 @@ use std::path::Path;
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::{LoadOptions, Loaded};
 use crate::warnings::Warnings;
-use crate::{LoadOptions, Loaded};
 
 /// What every step needs: the file's name, its folder, the options, the budget, the warnings.
 pub(crate) struct Context<'a> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{Vec2, Vec3};
 
 use super::Context;
-use crate::Error;
+use crate::error::Error;
 use crate::srgb::linear_from_srgb;
 
 /// One corner of a face: indices into the file's positions, texture coordinates and normals.
@@ -154,6 +154,7 @@ fn numbers(context: &Context<'_>, line: usize, rest: &str) -> Result<Vec<f32>, E
 
 /// `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest: &str) -> Result<(), Error> {
+    // Read the corners.
     let start = obj.parts[part].corners.len();
     for word in rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')) {
         context.spend(line, 1, size_of::<Corner>() + size_of::<usize>())?;
@@ -185,6 +186,8 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
             optional(vn, obj.normals.len(), "a corner refers to a normal that is not there: taken from the face")?;
         obj.parts[part].corners.push(Corner { position, uv, normal });
     }
+
+    // Close the face, or drop it if it has too few of them.
     let part = &mut obj.parts[part];
     if part.corners.len() < start + 3 {
         part.corners.truncate(start);

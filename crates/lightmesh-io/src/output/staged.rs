@@ -25,6 +25,7 @@ impl StagedFile {
     pub fn create(target: &Path) -> Result<Self, Error> {
         let file = || one_line(target.display());
         let failed = |cause| Error::Write { file: file(), cause };
+        // Refuse targets that could not be written later.
         if target.is_dir() {
             return Err(Error::IsFolder { file: file() });
         }

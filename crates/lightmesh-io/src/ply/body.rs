@@ -1,8 +1,7 @@
 //! The numbers of a PLY file's body, whatever their encoding.
 
 use super::header::{Encoding, Header, Scalar};
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 /// Reads one number after the other.
 #[derive(Debug)]

@@ -1,7 +1,6 @@
 //! A PLY file's header: which elements follow, with which properties, in which encoding.
 
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 /// How the body is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,6 +103,7 @@ pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<Header, Error> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     let (mut offset, mut number) = (0, 0);
+    // Read line by line up to end_header.
     loop {
         // The next line; it ends with LF, or CR LF.
         let Some(length) = bytes[offset..].iter().position(|&b| b == b'\n') else {

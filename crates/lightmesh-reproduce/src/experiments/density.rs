@@ -3,7 +3,7 @@
 use lightmesh::Method;
 
 use super::lights::papers;
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
@@ -19,11 +19,15 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let size = if lab.quick { (200, 200) } else { (800, 800) };
     let points = if lab.quick { &POINTS[1..] } else { &POINTS };
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
+
+    // Time the paper's method and ours at every density, each twice as coarse as the one before.
     let mut ways = Vec::new();
     for &points in points {
         ways.extend([papers(size, points), direct(Method::Mesh, size, points)]);
     }
     let seconds = lab.race(&place, &ways)?;
+
+    // Compare each with exact light, and with the density before it.
     let (mut rows, mut errors) = (Vec::new(), [Vec::new(), Vec::new()]);
     for (i, &points) in points.iter().enumerate() {
         let mut row = vec![format!("1/{points}").into()];
@@ -37,6 +41,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         }
         rows.push(row);
     }
+
+    // Put the numbers into a table and a plot.
     let columns = [
         "spacing",
         "paper, s",
@@ -64,6 +70,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         logarithmic: true,
         lines: vec![Line { name: "paper".into(), points: paper }, Line { name: "mesh".into(), points: mesh }],
     };
+
+    // Judge the claims.
     let claims = vec![
         Claim {
             claim: "Half the density is 1.3 to 2.5 times as fast.".into(),

@@ -10,8 +10,9 @@ mod resolutions;
 mod soft_shadows;
 mod today;
 
+use crate::error::Error;
 use crate::lab::Lab;
-use crate::{Error, Section};
+use crate::report::Section;
 
 /// An experiment: inputs, runs, checks and plots are in its function.
 pub(crate) struct Experiment {

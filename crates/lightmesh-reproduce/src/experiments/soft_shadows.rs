@@ -4,13 +4,14 @@ use glam::{Affine3A, Vec3};
 use lightmesh::{Camera, EmitterOptions, Image, Method};
 
 use super::lights::papers;
+use crate::error::Error;
 use crate::lab::{Lab, Place, direct};
 use crate::penumbra;
 use crate::picture::{figure, luminance};
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
+use crate::scenes;
 use crate::scenes::{SceneName, light_of};
-use crate::{Error, scenes};
 
 /// Radii of the spherical light, metres.
 const RADII: [f32; 2] = [0.1, 0.25];
@@ -34,7 +35,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Triangle)?;
     let soft = |radius| EmitterOptions { light_radius: radius, light_samples: SAMPLES };
 
-    // Pictures.
+    // Render the pictures: two meshes, reference [4], and a spherical light that is the truth.
     let mesh = lab.shot(&place, &direct(Method::Mesh, size, POINTS[0]))?;
     let paper = lab.shot(&place, &papers(size, POINTS[0]))?;
     let mut pictures = Vec::new();
@@ -49,7 +50,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     shown.insert(1, ("mesh, 1/40", &mesh.image));
     let shown = figure("A triangle over a floor under one light.", &shown)?;
 
-    // Profiles across an edge of the shadow.
+    // Measure profiles across an edge of the shadow, as a part of the light without the sheet.
     let camera = edge_camera(&place);
     let strip = (PIXELS, 9);
     let bare = bare_floor(lab, &place, camera.clone())?;
@@ -71,6 +72,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     for points in POINTS {
         lines.push((format!("paper, 1/{points}"), part(&lab.shot(&point, &papers(strip, points))?.image)));
     }
+
+    // Measure how far each profile is soft, and put that into a table and a plot.
     let reach = |profile: &[(f64, f64)]| widths(profile, edge);
     let rows = lines.iter().map(|(name, profile)| {
         let (inside, outside) = reach(profile);
@@ -97,7 +100,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         lines: lines.iter().map(|(name, points)| Line { name: name.clone(), points: points.clone() }).collect(),
     };
 
-    // A sheet that is smaller than the mesh's cells.
+    // Measure how deep the shadow of a sheet smaller than the mesh's cells is.
     let small = small_sheet(lab, &place)?;
     let bare_small = bare_floor(lab, &small, small.camera.clone())?;
     let square = (160, 160);
@@ -109,6 +112,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
             with.image.pixels.iter().zip(&without.image.pixels).map(|(a, b)| luminance(*a) / luminance(*b).max(1e-9));
         depths.push(1.0 - parts.fold(1.0, f64::min));
     }
+
+    // Judge the claims.
     let claims = vec![
         Claim {
             claim: "The method of [4] blurs outward only.".into(),
