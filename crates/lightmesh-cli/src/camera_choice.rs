@@ -2,8 +2,8 @@
 
 use lightmesh::{Camera, SceneData};
 
-/// The camera that `wanted` names (by name first, then by index), or the first; one that frames the scene, and a warning,
-/// where the file has none.
+/// The camera that `wanted` names (by name first, then by index), or the first; one that frames the scene, and a
+/// warning, where the file has none.
 ///
 /// # Errors
 /// If there is no such camera; says which there are.

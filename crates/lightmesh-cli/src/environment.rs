@@ -26,8 +26,8 @@ pub fn read(
     Ok(Some(Environment { map, radiance, world_from_map: Quat::IDENTITY }))
 }
 
-/// Gives the scene the environment that was asked for; else leaves it its own; else, where nothing shines, a soft one. Then
-/// strength and rotation. Returns what there is to warn about.
+/// Gives the scene the environment that was asked for; else leaves it its own; else, where nothing shines, a soft one.
+/// Then strength and rotation. Returns what there is to warn about.
 pub fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &EmitterArgs) -> Vec<String> {
     let mut warnings = Vec::new();
     if asked_for.is_some() {

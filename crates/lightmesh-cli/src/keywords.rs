@@ -1,4 +1,5 @@
-//! The options of `render` by name and value, as programs give them: parsed, with their ranges and defaults, as on the command line.
+//! The options of `render` by name and value, as programs give them: parsed, with their ranges and defaults, as on the
+//! command line.
 
 use std::error::Error as _;
 use std::ffi::OsString;
@@ -20,7 +21,8 @@ const FILES: [&str; 9] = ["output", "exposure", "half", "preview", "stats", "mes
 pub struct Keyword {
     /// Its name, with underscores.
     pub name: String,
-    /// Its value where none is given, as the command line spells it; `None` where that depends on others, or is nothing.
+    /// Its value where none is given, as the command line spells it; `None` where that depends on others, or is
+    /// nothing.
     pub default: Option<String>,
 }
 

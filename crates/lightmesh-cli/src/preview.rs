@@ -18,7 +18,8 @@ use crate::{args::Exposure, exit::Failure, interrupt, outputs, progress::Bar};
 /// From the end of one writing to the next picture, at least.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// The same in times what the writing took, which is some 0.1 s of one core per million pixels: a tenth of its time at most.
+/// The same in times what the writing took, which is some 0.1 s of one core per million pixels: a tenth of its time at
+/// most.
 const PAUSE: u32 = 9;
 
 /// The file, and how pictures are shown in it: as in any PNG that `render` writes.
@@ -30,8 +31,8 @@ pub(crate) struct Preview<'a> {
 }
 
 impl Preview<'_> {
-    /// Does `work` with a progress that shows on `bar` and lets its pictures be written, by a thread of their own; they are
-    /// when this returns. Of failures to write them the first is handed to `warn`.
+    /// Does `work` with a progress that shows on `bar` and lets its pictures be written, by a thread of their own; they
+    /// are when this returns. Of failures to write them the first is handed to `warn`.
     pub(crate) fn follow<T>(&self, bar: &Bar, warn: impl Fn(&str) + Send, work: impl FnOnce(&dyn Progress) -> T) -> T {
         let due = Mutex::new(Due::Now);
         let (pictures, received) = mpsc::sync_channel(1);

@@ -32,8 +32,8 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// What is known of a finished frame of the scene with this name, taken in the current thread pool; the seconds around the
-    /// render are still 0.
+    /// What is known of a finished frame of the scene with this name, taken in the current thread pool; the seconds
+    /// around the render are still 0.
     pub fn new(name: String, scene: &Scene, options: &RenderOptions, frame: &RenderStats) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),

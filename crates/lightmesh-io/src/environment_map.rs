@@ -23,14 +23,14 @@ pub struct EnvironmentMap {
     pub warnings: Vec<String>,
 }
 
-/// Reads a latitude-longitude map: Radiance (`.hdr`) or OpenEXR (`.exr`, channels R G B or Y), by its extension. Its middle
-/// is +X, its top +Y. Texels that are negative or no number become 0, infinite ones 65504, with a warning.
+/// Reads a latitude-longitude map: Radiance (`.hdr`) or OpenEXR (`.exr`, channels R G B or Y), by its extension. Its
+/// middle is +X, its top +Y. Texels that are negative or no number become 0, infinite ones 65504, with a warning.
 ///
 /// At most about `max_memory` bytes are allocated, after the header was held against the file's length.
 ///
 /// # Errors
-/// If the extension is another; if the file is missing, damaged or cut off, has no colour, more than 2²⁸ pixels, or needs
-/// more memory than that.
+/// If the extension is another; if the file is missing, damaged or cut off, has no colour, more than 2²⁸ pixels, or
+/// needs more memory than that.
 pub fn read_environment(path: &Path, max_memory: u64) -> Result<EnvironmentMap, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let read = match extension.as_str() {

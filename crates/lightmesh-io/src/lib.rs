@@ -3,8 +3,8 @@
 //! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in
 //! range, every number is finite, and no file can make the reader panic or take more memory than
 //! [`LoadOptions::max_memory`].
-//! [`output`] writes pictures, [`read_picture`] reads them back, [`read_environment`] reads maps of light from all sides.
-//! [`write_mesh`] and [`read_mesh`] keep what a light mesh knows.
+//! [`output`] writes pictures, [`read_picture`] reads them back, [`read_environment`] reads maps of light from all
+//! sides. [`write_mesh`] and [`read_mesh`] keep what a light mesh knows.
 //!
 //! ```
 //! # fn main() -> Result<(), lightmesh_io::Error> {

@@ -31,7 +31,8 @@ pub struct Picture {
     pub encoding: Encoding,
 }
 
-/// Reads an EXR (channels R G B, with or without A, or Y; any layer order) or a PNG (8 or 16 bits, sRGB). Alpha is left out.
+/// Reads an EXR (channels R G B, with or without A, or Y; any layer order) or a PNG (8 or 16 bits, sRGB). Alpha is left
+/// out.
 ///
 /// # Errors
 /// If the file is missing, damaged, or has none of those channels; if it says that it has more than 2²⁸ pixels, 1024

@@ -6,8 +6,8 @@ use glam::{DVec2, Vec3};
 const MOST_EARS: usize = 256;
 
 /// Cuts a polygon into triangles and hands each, as indices into `corners`, to `emit`. The triangles keep the polygon's
-/// winding. Convex polygons become a fan from the first corner; others are cut ear by ear (G. H. Meisters, "Polygons have ears",
-/// 1975) in the coordinate plane that shows most of their area. Fewer than three corners give nothing.
+/// winding. Convex polygons become a fan from the first corner; others are cut ear by ear (G. H. Meisters, "Polygons
+/// have ears", 1975) in the coordinate plane that shows most of their area. Fewer than three corners give nothing.
 pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let count = corners.len();
     if count < 3 {
@@ -18,7 +18,8 @@ pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let convex = (0..count).all(|i| turn(i, (i + 1) % count, (i + 2) % count) >= 0.0);
     let mut left: Vec<usize> = (0..count).collect();
     if !convex && count <= MOST_EARS {
-        // Cut corners that stick out and whose triangle holds no other corner; a polygon that crosses itself may have none.
+        // Cut corners that stick out and whose triangle holds no other corner; a polygon that crosses itself may have
+        // none.
         while left.len() > 3 {
             let n = left.len();
             let ear = (0..n).find(|&i| {
@@ -71,7 +72,8 @@ mod tests {
         triangles
     }
 
-    /// The triangles of an L, from every first corner and on every side, have areas that sum to the polygon's: none overlap.
+    /// The triangles of an L, from every first corner and on every side, have areas that sum to the polygon's: none
+    /// overlap.
     #[test]
     fn concave_polygons_keep_their_area() {
         let ell = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];

@@ -1,7 +1,7 @@
 //! Scenes as bytes, for other processes: everything that a [`SceneData`] holds, whatever file or program it came from.
 //!
-//! Sixteen bytes of magic and version, the length of what follows, and the scene in the postcard format. It is for processes of one version of
-//! this library and no format for keeping scenes.
+//! Sixteen bytes of magic and version, the length of what follows, and the scene in the postcard format. It is for
+//! processes of one version of this library and no format for keeping scenes.
 
 use lightmesh::SceneData;
 

@@ -16,11 +16,11 @@ use crate::{arrays, bricks};
 /// Points, uint32, (n, 4), and values, float32, (n, sides, 3).
 type LevelArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>);
 
-/// What arrives at points of the indirect mesh after some reflections, as groups hand it to each other: to be made once for all groups of a
-/// process.
+/// What arrives at points of the indirect mesh after some reflections, as groups hand it to each other: to be made once
+/// for all groups of a process.
 ///
-/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives them, of several groups
-/// in any order.
+/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives
+/// them, of several groups in any order.
 #[pyclass(name = "Level", module = "lightmesh", frozen)]
 pub(crate) struct PyLevel {
     values: Arc<LevelValues>,
@@ -46,8 +46,8 @@ impl PyLevel {
     }
 }
 
-/// Points of the indirect mesh on their way: their rays are shot; then they take light where these end, and exchange it reflection after
-/// reflection. It is made by PictureJob.gather, from the same bricks always the same.
+/// Points of the indirect mesh on their way: their rays are shot; then they take light where these end, and exchange it
+/// reflection after reflection. It is made by PictureJob.gather, from the same bricks always the same.
 #[pyclass(name = "Gathering", module = "lightmesh", frozen)]
 pub(crate) struct PyGathering {
     job: Arc<Job>,
@@ -65,7 +65,8 @@ impl PyGathering {
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
-    /// Takes the direct light where its rays end; what the direct mesh lacks for that is filled. Then the rays are given up.
+    /// Takes the direct light where its rays end; what the direct mesh lacks for that is filled. Then the rays are
+    /// given up.
     #[pyo3(signature = (*, progress=None))]
     fn light(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         self.run(py, progress, |job, gathering, watch| {
@@ -73,10 +74,11 @@ impl PyGathering {
         })
     }
 
-    /// What arrives at its points after k reflections or fewer: points, uint32, (n, 4), and values, float32, (n, 6, 3), lux; (n, 1, 3) with
-    /// method "paper".
+    /// What arrives at its points after k reflections or fewer: points, uint32, (n, 4), and values, float32, (n, 6, 3),
+    /// lux; (n, 1, 3) with method "paper".
     ///
-    /// below: the same after k - 1 reflections, of all points that are wanted; not looked at where k is 0. Ask for 0, 1, 2 and so on.
+    /// below: the same after k - 1 reflections, of all points that are wanted; not looked at where k is 0. Ask for 0,
+    /// 1, 2 and so on.
     #[pyo3(signature = (k, below=None))]
     fn bounce<'py>(&self, py: Python<'py>, k: u32, below: Option<PyRef<'py, PyLevel>>) -> PyResult<LevelArrays<'py>> {
         let below = below.map_or_else(Arc::default, |level| Arc::clone(&level.values));

@@ -16,8 +16,8 @@ use crate::view::{self, Keeps};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{json, keywords};
 
-/// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy and not to be
-/// written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
+/// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy
+/// and not to be written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
 #[pyclass(name = "Image", module = "lightmesh", frozen)]
 pub(crate) struct PyImage {
     pub(crate) picture: Picture,
@@ -78,7 +78,8 @@ impl PyImage {
         self.picture.image.height
     }
 
-    /// Layers beside the light, by name: float32, (H, W, 3), or (H, W) where they have one value a pixel; not to be written to.
+    /// Layers beside the light, by name: float32, (H, W, 3), or (H, W) where they have one value a pixel; not to be
+    /// written to.
     #[getter]
     fn aovs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
         let aovs = PyDict::new(slf.py());
@@ -104,7 +105,8 @@ impl PyImage {
         (f64::from(Exposure::Auto.for_picture(&self.picture.image)) * 100.0).round() / 100.0
     }
 
-    /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears whole or not at all.
+    /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears
+    /// whole or not at all.
     ///
     /// exposure: EV of a .png, or "auto". half: 16-bit instead of 32-bit floats in an .exr.
     #[pyo3(signature = (path, *, exposure=None, half=false), text_signature = "($self, path, *, exposure='auto', half=False)")]

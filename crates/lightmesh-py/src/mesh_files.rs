@@ -17,8 +17,8 @@ use crate::scene::LitScene;
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 
-/// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment that is a file is
-/// not among them: a mesh file does not say what is opened.
+/// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment
+/// that is a file is not among them: a mesh file does not say what is opened.
 const KEPT: [&str; 21] = [
     "method",
     "bounces",

@@ -22,11 +22,14 @@ use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks, json, keywords};
 
-/// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with it).
+/// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with
+/// it).
 ///
-/// The samples of a picture are waves, numbered from 0; whoever has the same scene, camera and options can take any of them, and the picture is
-/// that of Scene.render, bit for bit. Mesh points can be filled before, together; those that are missing are filled on the way.
-/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each of 512 points.
+/// The samples of a picture are waves, numbered from 0; whoever has the same scene, camera and options can take any of
+/// them, and the picture is that of Scene.render, bit for bit. Mesh points can be filled before, together; those that
+/// are missing are filled on the way.
+/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each
+/// of 512 points.
 #[pyclass(name = "PictureJob", module = "lightmesh", frozen)]
 pub(crate) struct PyPictureJob {
     pub(crate) job: Arc<Job>,
@@ -87,7 +90,8 @@ impl PyPictureJob {
         portions::wave_count(&self.job.options).map_err(|error| error.raise(py))
     }
 
-    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
+    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser
+    /// one are there.
     #[getter]
     fn level_count(&self, py: Python<'_>) -> PyResult<u32> {
         let levels = self.job.with_mesh(|mesh| Ok(mesh.level_count()));
@@ -118,7 +122,8 @@ impl PyPictureJob {
         self.job.settings()
     }
 
-    /// 32 hexadecimal digits of the scene, the camera and all options: jobs of the same fingerprint make the same picture.
+    /// 32 hexadecimal digits of the scene, the camera and all options: jobs of the same fingerprint make the same
+    /// picture.
     #[getter]
     fn fingerprint(&self) -> String {
         let job = &self.job;
@@ -126,15 +131,16 @@ impl PyPictureJob {
         Fingerprint::of_text(&what).to_string()
     }
 
-    /// Looks at the whole picture, as far as the options want it (error, refine, graded), which the other methods do where it has not been
-    /// done; returns what it took, with the keys of the library's stats.
+    /// Looks at the whole picture, as far as the options want it (error, refine, graded), which the other methods do
+    /// where it has not been done; returns what it took, with the keys of the library's stats.
     #[pyo3(signature = (*, progress=None))]
     fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.run(py, progress, |job, watch| job.with_prepared(watch, |_, prepared| Ok(prepared.stats)))?;
         json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
-    /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that this process lacks.
+    /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that
+    /// this process lacks.
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn demand<'py>(
         &self,
@@ -193,8 +199,8 @@ impl PyPictureJob {
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }
 
-    /// Takes the samples of waves first to last (exclusive): a dict with both, values (float32: the sums of each pixel's light and layers),
-    /// seen (uint8: what was seen of lamps) and stats (JSON).
+    /// Takes the samples of waves first to last (exclusive): a dict with both, values (float32: the sums of each
+    /// pixel's light and layers), seen (uint8: what was seen of lamps) and stats (JSON).
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn render<'py>(
         &self,
@@ -214,8 +220,8 @@ impl PyPictureJob {
         to_dict(py, portion)
     }
 
-    /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and how many waves they
-    /// are; None: there is nothing to do.
+    /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and
+    /// how many waves they are; None: there is nothing to do.
     fn outlines<'py>(
         &self,
         py: Python<'py>,

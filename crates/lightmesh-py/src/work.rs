@@ -1,4 +1,5 @@
-//! Long work on a thread of its own, while the calling one listens: Ctrl-C ends it, and its progress goes to a callback.
+//! Long work on a thread of its own, while the calling one listens: Ctrl-C ends it, and its progress goes to a
+//! callback.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,7 +100,8 @@ struct Slot<T> {
     watch: Watch,
 }
 
-/// Does `work` on a thread of its own, in a pool of `threads` or in the one that all share, and returns what it returns.
+/// Does `work` on a thread of its own, in a pool of `threads` or in the one that all share, and returns what it
+/// returns.
 ///
 /// # Errors
 /// `KeyboardInterrupt`, and whatever the callback or a signal's handler raises: the work is cancelled then.

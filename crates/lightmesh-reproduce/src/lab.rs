@@ -27,7 +27,8 @@ pub(crate) struct Lab<'a> {
     bytes: usize,
 }
 
-/// Bytes of pictures that are kept for experiments to come; the oldest are forgotten first, and taken again where they are wanted.
+/// Bytes of pictures that are kept for experiments to come; the oldest are forgotten first, and taken again where they
+/// are wanted.
 const BUDGET: usize = 256 << 20;
 
 /// A scene, ready for rays, and a camera.
@@ -130,8 +131,8 @@ impl<'a> Lab<'a> {
         Ok(Shot { image: frame.image, stats: frame.stats })
     }
 
-    /// Render times of several ways to take a picture, seconds: medians of three interleaved runs, or of one where a picture takes
-    /// longer than two seconds. The pictures are kept as [`Lab::shot`] keeps them.
+    /// Render times of several ways to take a picture, seconds: medians of three interleaved runs, or of one where a
+    /// picture takes longer than two seconds. The pictures are kept as [`Lab::shot`] keeps them.
     pub(crate) fn race(&mut self, place: &Place, ways: &[RenderOptions]) -> Result<Vec<f64>, Error> {
         let mut seconds: Vec<Vec<f64>> = Vec::new();
         for options in ways {

@@ -1,8 +1,8 @@
-//! The experiments of V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse color bleeding in
-//! ray tracing" (GraphiCon 2001; *the paper*), run anew with the tracers of `lightmesh`.
+//! The experiments of V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse
+//! color bleeding in ray tracing" (GraphiCon 2001; *the paper*), run anew with the tracers of `lightmesh`.
 //!
-//! [`reproduce`] runs them one after the other, keeps what each has found, and writes a page that needs nothing else, with its
-//! numbers beside it as JSON. Each claim of the paper is judged by numbers of the run.
+//! [`reproduce`] runs them one after the other, keeps what each has found, and writes a page that needs nothing else,
+//! with its numbers beside it as JSON. Each claim of the paper is judged by numbers of the run.
 
 #![forbid(unsafe_code)]
 
@@ -52,8 +52,8 @@ pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|experiment| (experiment.id, experiment.title))
 }
 
-/// Runs the experiments into a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with what each has found, from which the next run
-/// goes on. What is kept of another size, version or number of threads is run again.
+/// Runs the experiments into a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with what each has found, from which
+/// the next run goes on. What is kept of another size, version or number of threads is run again.
 ///
 /// # Errors
 /// [`Error`]; experiments that were finished are kept.

@@ -1,9 +1,10 @@
-//! Soft shadows from a single shadow ray: Parker, Shirley and Smits, "Single Sample Soft Shadows" (University of Utah, UUCS-98-019, 1998),
-//! by the description that the paper gives of its reference [4].
+//! Soft shadows from a single shadow ray: Parker, Shirley and Smits, "Single Sample Soft Shadows" (University of Utah,
+//! UUCS-98-019, 1998), by the description that the paper gives of its reference [4].
 //!
-//! A light of radius R gives an object an outer penumbra: where the ray to the light's centre misses the object by δ at distance t
-//! from the surface, with the light D away, τ = δ / (R t / D) of the penumbra's width is behind it, and (1 + sin(πτ − π/2)) / 2 of the
-//! light arrives. Where the ray meets the object, none does: shadows grow outward only. Of several objects the darkest counts.
+//! A light of radius R gives an object an outer penumbra: where the ray to the light's centre misses the object by δ at
+//! distance t from the surface, with the light D away, τ = δ / (R t / D) of the penumbra's width is behind it, and (1 +
+//! sin(πτ − π/2)) / 2 of the light arrives. Where the ray meets the object, none does: shadows grow outward only. Of
+//! several objects the darkest counts.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

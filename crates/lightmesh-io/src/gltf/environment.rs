@@ -73,7 +73,8 @@ fn pay(context: &mut Context<'_>, light: Place<'_>, width: u32) -> Result<(), Er
     context.spend(light, u64::from(width) * u64::from(width / 2), 2 * size_of::<[f32; 4]>() as u64)
 }
 
-/// The sharpest level; `None`, with a warning unless there is no level at all, where a face is missing or of another shape.
+/// The sharpest level; `None`, with a warning unless there is no level at all, where a face is missing or of another
+/// shape.
 fn cube_map(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,

@@ -18,8 +18,8 @@ const READ: [&str; 10] = [
     "EXT_texture_webp",
 ];
 
-/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them, and requiring them
-/// is odd but harmless.
+/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them, and requiring
+/// them is odd but harmless.
 const HARMLESS: [&str; 7] = [
     "EXT_structural_metadata",
     "EXT_mesh_features",
@@ -68,8 +68,8 @@ pub(super) fn not_read(extension: &str) -> String {
     }
 }
 
-/// Refuses a file that requires what we do not read; warns about optional extensions that may change the picture. Those of
-/// materials are left to the materials that the scene uses.
+/// Refuses a file that requires what we do not read; warns about optional extensions that may change the picture. Those
+/// of materials are left to the materials that the scene uses.
 pub(super) fn check(context: &mut Context<'_>, document: &Document) -> Result<(), Error> {
     let unread = |name: &&String| !READ.contains(&name.as_str()) && !HARMLESS.contains(&name.as_str());
     if let Some(name) = document.extensions_required.iter().find(unread) {

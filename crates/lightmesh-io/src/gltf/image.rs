@@ -4,9 +4,9 @@
 //! where such an image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept
 //! twice.
 //!
-//! An image that is missing or cannot be decoded is left out with a warning: a scene without one of its textures is still
-//! worth a picture. What the file must not ask for (paths out of its folder, more memory than allowed) stays an error, and
-//! so does an index that refers to nothing.
+//! An image that is missing or cannot be decoded is left out with a warning: a scene without one of its textures is
+//! still worth a picture. What the file must not ask for (paths out of its folder, more memory than allowed) stays an
+//! error, and so does an index that refers to nothing.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -138,8 +138,8 @@ pub(super) struct RadianceImage {
     pub(super) texels: Vec<Vec3>,
 }
 
-/// One of the images that EXT_lights_image_based names: with alpha RGBD, else sRGB. `None`, and a warning, where it cannot
-/// be read.
+/// One of the images that EXT_lights_image_based names: with alpha RGBD, else sRGB. `None`, and a warning, where it
+/// cannot be read.
 pub(super) fn decode_radiance(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,

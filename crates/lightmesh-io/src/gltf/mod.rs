@@ -170,8 +170,8 @@ fn place_meshes(
     Ok(())
 }
 
-/// Renumbers the textures that materials use; one without a new number is left out, its factor stays. Only emission goes
-/// with its texture: a whole wall would shine where the author painted a screen.
+/// Renumbers the textures that materials use; one without a new number is left out, its factor stays. Only emission
+/// goes with its texture: a whole wall would shine where the author painted a screen.
 fn leave_out(materials: &mut [Material], index_of: &[Option<usize>]) {
     for material in materials {
         let painted = material.emission_texture.is_some();

@@ -1,7 +1,7 @@
 //! Mesh files: what a light mesh knows, to go on from in another run, on another machine, or to look at in Python.
 //!
-//! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the header as JSON, and
-//! arrays of numbers, little-endian and row by row. Any reader of that format opens it.
+//! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the
+//! header as JSON, and arrays of numbers, little-endian and row by row. Any reader of that format opens it.
 //!
 //! | array, of `direct` and `indirect` | type, shape | |
 //! |---|---|---|
@@ -17,11 +17,12 @@
 //! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
 //! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
 //!
-//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the addresses.
+//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the
+//! addresses.
 //!
-//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings` (JSON), `units`, `scene` and
-//! `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a checksum for each array. Equal meshes are equal
-//! files.
+//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings`
+//! (JSON), `units`, `scene` and `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a
+//! checksum for each array. Equal meshes are equal files.
 
 mod arrays;
 mod read;
@@ -107,8 +108,8 @@ impl MeshFile {
         Ok(())
     }
 
-    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
-    /// messages.
+    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer.
+    /// `file` names it in messages.
     ///
     /// # Errors
     /// As [`MeshFile::check`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.

@@ -23,8 +23,8 @@ const LONGEST_HEADER: u64 = 1 << 20;
 /// Reads a mesh file into at most `max_memory` bytes.
 ///
 /// # Errors
-/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged; [`Error::OutOfMemory`]
-/// before an allocation that would exceed the limit.
+/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged;
+/// [`Error::OutOfMemory`] before an allocation that would exceed the limit.
 pub fn read_mesh(path: &Path, max_memory: u64) -> Result<MeshFile, Error> {
     let name = one_line(path.display());
     let unreadable = |cause| Error::Read { file: name.clone(), cause };

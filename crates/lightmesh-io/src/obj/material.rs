@@ -39,7 +39,8 @@ impl Materials {
         let mut described = BTreeMap::new();
         let mut seen: BTreeSet<&str> = BTreeSet::new();
         for library in libraries {
-            // Several names on one line are allowed, and so are spaces in a name: a name that ends in .mtl is taken whole first.
+            // Several names on one line are allowed, and so are spaces in a name: a name that ends in .mtl is taken
+            // whole first.
             let one = library.to_ascii_lowercase().matches(".mtl").count() <= 1;
             let names: Vec<&str> =
                 if one { vec![library.as_str()] } else { library.split_ascii_whitespace().collect() };
@@ -178,7 +179,8 @@ impl Materials {
     }
 }
 
-/// One image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is none).
+/// One image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is
+/// none).
 fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>) -> Result<Option<ImageData>, Error> {
     let color = color.map(|map| read_image(context, &map.path)).transpose()?.flatten();
     let alpha = alpha.map(|map| read_image(context, &map.path)).transpose()?.flatten();
@@ -198,7 +200,8 @@ fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>
     if let Some(image) = &alpha
         && let Some(mask) = texels_of(image)
     {
-        // A mask with an alpha channel means that channel; one without means its grey. Nearest texel where sizes differ.
+        // A mask with an alpha channel means that channel; one without means its grey. Nearest texel where sizes
+        // differ.
         let by_alpha = mask.iter().any(|texel| texel[3] != 255);
         for (i, texel) in texels.iter_mut().enumerate() {
             let (x, y) = (i as u64 % u64::from(width), i as u64 / u64::from(width));

@@ -1,7 +1,7 @@
 //! Wavefront OBJ with MTL (Wavefront, "Advanced Visualizer Manual", appendix B1, 1992).
 //!
-//! Our own parser: `tobj` 4.0.5 panics on a `Kd` of fewer than three numbers and on an index far out of range, makes triangles of
-//! lines, lets texture coordinates slip where only some faces have them, and names no line in its errors.
+//! Our own parser: `tobj` 4.0.5 panics on a `Kd` of fewer than three numbers and on an index far out of range, makes
+//! triangles of lines, lets texture coordinates slip where only some faces have them, and names no line in its errors.
 
 mod build;
 mod image_file;
@@ -45,8 +45,8 @@ impl Context<'_> {
     }
 }
 
-/// Reads an OBJ file that is in memory. `file` is its name for messages; material libraries and textures are looked up in
-/// `folder`, and are left out with a warning where it is `None` or where they cannot be read.
+/// Reads an OBJ file that is in memory. `file` is its name for messages; material libraries and textures are looked up
+/// in `folder`, and are left out with a warning where it is `None` or where they cannot be read.
 ///
 /// # Errors
 /// As [`load`](crate::load).

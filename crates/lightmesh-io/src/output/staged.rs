@@ -8,8 +8,8 @@ use std::{
 
 use crate::error::{Error, one_line};
 
-/// A file under a temporary name beside its target. [`StagedFile::commit`] gives it its name; dropped before that, it is
-/// removed, and whatever had the target's name stays as it was.
+/// A file under a temporary name beside its target. [`StagedFile::commit`] gives it its name; dropped before that, it
+/// is removed, and whatever had the target's name stays as it was.
 #[derive(Debug)]
 pub struct StagedFile {
     writer: Option<BufWriter<File>>,

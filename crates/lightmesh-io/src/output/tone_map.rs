@@ -13,8 +13,8 @@
 //! | AgX | low contrast, wants a grade | drifts on the way to white |
 //! | PBR Neutral | unchanged up to 0.8 | kept; only saturation falls on the way to white |
 //!
-//! Its toe subtracts the 4% that a dielectric's surface reflects of white surroundings. Our pictures are mostly diffuse and
-//! their dark parts are soft shadows: the toe would crush what the method is for, so it is left out (F90 = 0).
+//! Its toe subtracts the 4% that a dielectric's surface reflects of white surroundings. Our pictures are mostly diffuse
+//! and their dark parts are soft shadows: the toe would crush what the method is for, so it is left out (F90 = 0).
 
 use glam::Vec3;
 
@@ -25,8 +25,8 @@ const DESATURATION: f32 = 0.15;
 
 /// The display-linear colour of an exposed one; each channel of the result in [0, 1].
 ///
-/// Monotone in brightness; a colour whose largest channel is under 0.8 passes unchanged. Negative channels and NaN count
-/// as 0, infinity as white.
+/// Monotone in brightness; a colour whose largest channel is under 0.8 passes unchanged. Negative channels and NaN
+/// count as 0, infinity as white.
 pub fn tone_map(color: Vec3) -> Vec3 {
     // Meet values that no display can show. 1e30 is white to the last bit and leaves room for the products below.
     let finite = |c: f32| if c > 0.0 { c.min(1e30) } else { 0.0 };

@@ -1,12 +1,12 @@
 //! PLY, text and binary (G. Turk, "The PLY Polygon File Format", 1994).
 //!
-//! Read are the element `vertex` with `x y z`, `nx ny nz`, `red green blue` and `s t`, `u v` or `texture_u texture_v`, and the
-//! element `face` with the list `vertex_indices` or `vertex_index`; polygons are cut into triangles. Colours in integers are
-//! sRGB, in floats linear. Everything else is passed over. A PLY has no material: the surface is white Lambert, and the
-//! vertex colours are its albedo.
+//! Read are the element `vertex` with `x y z`, `nx ny nz`, `red green blue` and `s t`, `u v` or `texture_u texture_v`,
+//! and the element `face` with the list `vertex_indices` or `vertex_index`; polygons are cut into triangles. Colours in
+//! integers are sRGB, in floats linear. Everything else is passed over. A PLY has no material: the surface is white
+//! Lambert, and the vertex colours are its albedo.
 //!
-//! Our own parser: `ply-rs-bw` 4.0.1 refuses numbers such as `.5` and `2.`, keeps a map per vertex by default, and makes as many
-//! records as a header asks for if they have no properties.
+//! Our own parser: `ply-rs-bw` 4.0.1 refuses numbers such as `.5` and `2.`, keeps a map per vertex by default, and
+//! makes as many records as a header asks for if they have no properties.
 
 mod body;
 mod faces;

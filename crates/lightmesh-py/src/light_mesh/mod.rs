@@ -20,16 +20,16 @@ use crate::{arrays as numbers, error, meters};
 /// Light at points in space, computed where pictures or meters first ask for it and kept from one to the next.
 ///
 /// scene: what it belongs to; when that is changed, the mesh no longer serves it.
-/// The options are those of Scene.render; the ones that decide about the mesh (method, bounces, spacings, interpolation, weight, falloffs,
-/// refine, graded, error, light_error, gather_rays, seed, and what lights the scene) cannot be changed afterwards, and all of them
-/// hold for pictures with this mesh that do not say otherwise.
+/// The options are those of Scene.render; the ones that decide about the mesh (method, bounces, spacings,
+/// interpolation, weight, falloffs, refine, graded, error, light_error, gather_rays, seed, and what lights the scene)
+/// cannot be changed afterwards, and all of them hold for pictures with this mesh that do not say otherwise.
 ///
 /// >>> mesh = LightMesh(scene, spacing="1/80")
 /// >>> pictures = [scene.render(camera=camera, mesh=mesh) for camera in scene.cameras]
 /// >>> lux = mesh.irradiance([[0, 0.85, 0]], [0, 1, 0])
 ///
-/// Every method ends soon after Ctrl-C, and then the mesh keeps what it has learned. One thread at a time works with a mesh: another
-/// one gets an Error.
+/// Every method ends soon after Ctrl-C, and then the mesh keeps what it has learned. One thread at a time works with a
+/// mesh: another one gets an Error.
 #[pyclass(name = "LightMesh", module = "lightmesh", frozen)]
 pub(crate) struct PyLightMesh {
     pub(crate) scene: Py<PyScene>,

@@ -36,8 +36,8 @@ impl PyLightMesh {
     /// Reads a file that save has written: the mesh goes on where that one was.
     ///
     /// scene: the one that it was made for, or an equal one, loaded or lit the same way; another is a SceneError.
-    /// Options that are not given and decide about the mesh are the file's, but for an environment that is itself a file. A mesh made with
-    /// others is an OptionError, but bounces may be fewer.
+    /// Options that are not given and decide about the mesh are the file's, but for an environment that is itself a
+    /// file. A mesh made with others is an OptionError, but bounces may be fewer.
     #[staticmethod]
     #[pyo3(
         signature = (path, scene, **options),
@@ -50,7 +50,8 @@ impl PyLightMesh {
         Self::with(scene, chosen, |lit| file.into_mesh(py, lit))
     }
 
-    /// Writes all that the mesh knows, and its settings: safetensors, which other programs read too. The file appears whole or not at all.
+    /// Writes all that the mesh knows, and its settings: safetensors, which other programs read too. The file appears
+    /// whole or not at all.
     ///
     /// progress: as for Scene.render, in bytes.
     #[pyo3(signature = (path, *, progress=None))]
@@ -64,8 +65,8 @@ impl PyLightMesh {
     /// Evaluates points before anybody reads them: what is read later is the same, and shoots no more rays for them.
     ///
     /// points: (N, 3), metres: all mesh points that meters there read, whichever way they face.
-    /// region: instead of them the least and the largest corner of a box, (2, 3), metres: all mesh points in it, of both meshes; surfaces
-    /// in it read points up to a spacing further out.
+    /// region: instead of them the least and the largest corner of a box, (2, 3), metres: all mesh points in it, of
+    /// both meshes; surfaces in it read points up to a spacing further out.
     /// progress: as for Scene.render, in mesh points.
     ///
     /// Returns what it took, as stats of measure.
@@ -87,12 +88,13 @@ impl PyLightMesh {
 
     /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
     ///
-    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which way they face. Each
-    /// gets what a surface in its place would get in a picture, from the hemisphere that it faces.
+    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which
+    /// way they face. Each gets what a surface in its place would get in a picture, from the hemisphere that it faces.
     /// progress: as for Scene.render, in meters.
     ///
-    /// What a meter reads depends on its place and direction alone, bit for bit. Meters outside Scene.bounds, where no mesh is, shoot rays
-    /// of their own. error, refine and graded follow a picture: a mesh that was made with them cannot measure, which is an OptionError.
+    /// What a meter reads depends on its place and direction alone, bit for bit. Meters outside Scene.bounds, where no
+    /// mesh is, shoot rays of their own. error, refine and graded follow a picture: a mesh that was made with them
+    /// cannot measure, which is an OptionError.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn irradiance<'py>(
         &self,
@@ -103,8 +105,8 @@ impl PyLightMesh {
         self.read(positions, normals, progress, None)?.irradiance(positions.py())
     }
 
-    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh stays as it is, but for
-    /// scenes with emission that only gather rays find.
+    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh
+    /// stays as it is, but for scenes with emission that only gather rays find.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn direct<'py>(
         &self,
@@ -115,7 +117,8 @@ impl PyLightMesh {
         self.read(positions, normals, progress, Some(0))?.direct(positions.py())
     }
 
-    /// The part of irradiance that surfaces have reflected: (N, 3), lux per channel, float32. For both parts, measure asks once.
+    /// The part of irradiance that surfaces have reflected: (N, 3), lux per channel, float32. For both parts, measure
+    /// asks once.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn indirect<'py>(
         &self,
@@ -143,8 +146,8 @@ impl PyLightMesh {
         self.scene.clone_ref(py)
     }
 
-    /// What it holds, as the key "mesh" of an image's stats: for "direct" and "indirect" spacing_m (metres), points_used,
-    /// points_refined, points_total, points_invalid and bytes.
+    /// What it holds, as the key "mesh" of an image's stats: for "direct" and "indirect" spacing_m (metres),
+    /// points_used, points_refined, points_total, points_invalid and bytes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.with_mesh(py, MeshesStats::of)?;
@@ -163,8 +166,9 @@ impl PyLightMesh {
         self.with_mesh(py, |mesh| Some(mesh.indirect_stats().spacing_m).filter(|&spacing| spacing > 0.0))
     }
 
-    /// Points of the direct mesh that have been evaluated: (N, 3), metres, float32. Their order means nothing, but that of values, valid
-    /// and levels is the same. Arrays of a mesh cannot be written to, and keep what they show while the mesh learns more.
+    /// Points of the direct mesh that have been evaluated: (N, 3), metres, float32. Their order means nothing, but that
+    /// of values, valid and levels is the same. Arrays of a mesh cannot be written to, and keep what they show while
+    /// the mesh learns more.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         PyMeshArrays::points(&self.snapshot(py)?, Part::Direct)
@@ -172,10 +176,11 @@ impl PyLightMesh {
 
     /// What the points know of direct light, float32; NaN for points that give none (valid).
     ///
-    /// Of method "mesh" (N, 6, 2, 3), lux: by point, for planes that face +x, -x, +y, -y, +z, -z, the irradiance that arrives, and the one
-    /// that would if nothing were in the way. Of "paper" (N, 2, 3): formula (1) of the paper, and what it is divided by.
-    /// Points of "hybrid" and "unbiased" know of each light whether they see it, and no irradiance: they have no values, which is an
-    /// OptionError; irradiance measures there.
+    /// Of method "mesh" (N, 6, 2, 3), lux: by point, for planes that face +x, -x, +y, -y, +z, -z, the irradiance that
+    /// arrives, and the one that would if nothing were in the way. Of "paper" (N, 2, 3): formula (1) of the paper, and
+    /// what it is divided by.
+    /// Points of "hybrid" and "unbiased" know of each light whether they see it, and no irradiance: they have no
+    /// values, which is an OptionError; irradiance measures there.
     #[getter]
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = PyMeshArrays::values(&self.snapshot(py)?, Part::Direct)?;
@@ -204,9 +209,9 @@ impl PyLightMesh {
         PyMeshArrays::points(&self.snapshot(py)?, Part::Indirect)
     }
 
-    /// What they know of indirect light, after the mesh's bounces: (N, 6, 3), lux, float32: by point the irradiance on planes that face +x,
-    /// -x, +y, -y, +z, -z. Of method "paper" (N, 3): formula (4), four times the irradiance on any plane were the light even. NaN for points
-    /// that give none.
+    /// What they know of indirect light, after the mesh's bounces: (N, 6, 3), lux, float32: by point the irradiance on
+    /// planes that face +x, -x, +y, -y, +z, -z. Of method "paper" (N, 3): formula (4), four times the irradiance on any
+    /// plane were the light even. NaN for points that give none.
     #[getter]
     fn indirect_values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = PyMeshArrays::values(&self.snapshot(py)?, Part::Indirect)?;

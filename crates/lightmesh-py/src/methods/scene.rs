@@ -30,7 +30,8 @@ impl PyScene {
 
     /// Reads a scene file: glTF (.gltf, .glb), Wavefront OBJ or PLY.
     ///
-    /// units: what the numbers of punctual lights mean: "gltf" (candela, lux) or "blender" (its exporter's, 683 times as much).
+    /// units: what the numbers of punctual lights mean: "gltf" (candela, lux) or "blender" (its exporter's, 683 times
+    /// as much).
     /// allow_outside: let the file's URIs leave its folder.
     /// max_memory: the most that reading may take, bytes or with a unit as in "4GiB"; more is a MemoryLimitError.
     /// scene: which scene of the file, by name or index; None: the file's own choice.
@@ -61,7 +62,8 @@ impl PyScene {
         scene::load(py, path, &pairs)
     }
 
-    /// The scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling does the same.
+    /// The scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling does the
+    /// same.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         scene::bytes::write(py, self)
     }
@@ -84,8 +86,10 @@ impl PyScene {
 
     /// Adds a triangle mesh, and places it once; returns its index.
     ///
-    /// positions: (N, 3), metres. triangles: (M, 3), whole numbers, indices of positions, counter-clockwise from the front.
-    /// normals: (N, 3), shading normals; None: those of the triangles. uvs: (N, 2), texture coordinates, (0, 0) an image's first texel.
+    /// positions: (N, 3), metres. triangles: (M, 3), whole numbers, indices of positions, counter-clockwise from the
+    /// front.
+    /// normals: (N, 3), shading normals; None: those of the triangles. uvs: (N, 2), texture coordinates, (0, 0) an
+    /// image's first texel.
     /// colors: (N, 3) or (N, 4), linear, multiply the base colour.
     /// transform: (4, 4), turns column vectors of the mesh into the world's; None: they are the world's.
     /// material: a Material, or the index of one that was added; None: glTF's default, white.
@@ -152,7 +156,8 @@ impl PyScene {
 
     /// Adds a light without extent that shines alike in every direction.
     ///
-    /// position: (3,), metres. intensity: candela per channel, (3,) or one number. range: metres at which it ends; None: nowhere.
+    /// position: (3,), metres. intensity: candela per channel, (3,) or one number. range: metres at which it ends;
+    /// None: nowhere.
     #[pyo3(signature = (position, intensity, *, range=None))]
     fn add_point_light(
         &self,
@@ -168,8 +173,10 @@ impl PyScene {
 
     /// Adds a light without extent that shines in a cone with a soft edge.
     ///
-    /// position: (3,), metres. direction: (3,), the way it shines. intensity: candela per channel on the axis, (3,) or one number.
-    /// inner_cone_angle, outer_cone_angle: half angles, radians: inside the first it is full, outside the second, at most pi/2, dark.
+    /// position: (3,), metres. direction: (3,), the way it shines. intensity: candela per channel on the axis, (3,) or
+    /// one number.
+    /// inner_cone_angle, outer_cone_angle: half angles, radians: inside the first it is full, outside the second, at
+    /// most pi/2, dark.
     #[pyo3(
         signature = (position, direction, intensity, *, inner_cone_angle=0.0, outer_cone_angle=std::f32::consts::FRAC_PI_4, range=None),
         text_signature = "($self, position, direction, intensity, *, inner_cone_angle=0.0, outer_cone_angle=0.7853981633974483, range=None)"
@@ -215,8 +222,9 @@ impl PyScene {
 
     /// Lights the scene from all sides, in place of what did; None: no longer.
     ///
-    /// environment: a colour, (3,) or one number, or a latitude-longitude map, (H, W, 3), linear, whose middle is +X and whose first row
-    /// is up (+Y); cd/m² per channel, times strength. rotation: degrees about +Y, counter-clockwise seen from above.
+    /// environment: a colour, (3,) or one number, or a latitude-longitude map, (H, W, 3), linear, whose middle is +X
+    /// and whose first row is up (+Y); cd/m² per channel, times strength. rotation: degrees about +Y, counter-clockwise
+    /// seen from above.
     #[pyo3(signature = (environment, *, strength=1.0, rotation=0.0))]
     fn set_environment(&self, environment: Option<&Bound<'_, PyAny>>, strength: f32, rotation: f32) -> PyResult<()> {
         let environment = environment.map(|value| scene::environment(value, strength, rotation)).transpose()?;
@@ -271,22 +279,30 @@ impl PyScene {
     /// size: (width, height) or "WxH", pixels; None: 1280 wide, the height from the camera's aspect.
     /// method: "mesh", "paper", "standard", "hybrid", "unbiased" or "path".
     /// spp: samples per pixel; None: 4, with time_limit (seconds) as many as there is time for.
-    /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None: none.
+    /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None:
+    /// none.
     /// depth, cutoff: how far mirrored and refracted rays are followed. falloff: "r2" or "C+r".
     /// light_error: error of the sum over many lights. seed: of all randomness.
-    /// environment: .hdr or .exr file, (r, g, b) or "#rrggbb", in place of the scene's; environment_strength multiplies it, and
-    /// environment_rotation turns it, degrees. light_samples: for each thing with a size that shines. light_radius: metres, makes lights
-    /// spheres. Where nothing shines at all, there is a soft environment.
-    /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the indirect mesh.
+    /// environment: .hdr or .exr file, (r, g, b) or "#rrggbb", in place of the scene's; environment_strength multiplies
+    /// it, and environment_rotation turns it, degrees. light_samples: for each thing with a size that shines.
+    /// light_radius: metres, makes lights spheres. Where nothing shines at all, there is a soft environment.
+    /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the
+    /// indirect mesh.
     /// refine: how often meshes may halve their spacing. graded: metres from the camera within which they are denser.
-    /// rays: with method "unbiased". interpolation: "auto", "trilinear", "trilinear:RULE", "nearest", "sphere" or "sphere:R".
+    /// rays: with method "unbiased". interpolation: "auto", "trilinear", "trilinear:RULE", "nearest", "sphere" or
+    /// "sphere:R".
     /// weight, field_falloff, paper_scale: variants of the paper.
-    /// aov: names of layers, as a list or with commas: albedo, normal, depth, direct, indirect, mesh_level, mesh_valid, points.
-    /// threads: None: one for each core; the picture is the same. max_memory: bytes or "4GiB"; more is a MemoryLimitError.
-    /// mesh: a LightMesh of this scene that keeps the light between pictures; options that are not given are the mesh's.
-    /// progress: True shows a bar (needs tqdm); or a function of (stage, done, total, rays), which may raise to end the render.
+    /// aov: names of layers, as a list or with commas: albedo, normal, depth, direct, indirect, mesh_level, mesh_valid,
+    /// points.
+    /// threads: None: one for each core; the picture is the same. max_memory: bytes or "4GiB"; more is a
+    /// MemoryLimitError.
+    /// mesh: a LightMesh of this scene that keeps the light between pictures; options that are not given are the
+    /// mesh's.
+    /// progress: True shows a bar (needs tqdm); or a function of (stage, done, total, rays), which may raise to end the
+    /// render.
     ///
-    /// Ctrl-C raises KeyboardInterrupt soon. The picture is the same bit for bit whatever the threads, the progress and the mesh's past.
+    /// Ctrl-C raises KeyboardInterrupt soon. The picture is the same bit for bit whatever the threads, the progress and
+    /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, **options),
         text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, graded=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB', mesh=None, progress=None)"
@@ -309,9 +325,11 @@ impl PyScene {
 
     /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
     ///
-    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which way they face.
-    /// method: "standard" is exact direct light and no other; "path" is the ground truth with spp samples a meter (None: 4), their noise falls
-    /// with the root of spp; "unbiased" has noise too, and the rest read a mesh as LightMesh.irradiance does.
+    /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which
+    /// way they face.
+    /// method: "standard" is exact direct light and no other; "path" is the ground truth with spp samples a meter
+    /// (None: 4), their noise falls with the root of spp; "unbiased" has noise too, and the rest read a mesh as
+    /// LightMesh.irradiance does.
     /// mesh: a LightMesh of this scene that keeps the light; options that are not given are the mesh's.
     /// The other options are those of render, but for those of pictures; progress counts meters, with "path" samples.
     #[pyo3(

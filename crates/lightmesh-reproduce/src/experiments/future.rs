@@ -32,7 +32,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         rows,
     };
 
-    // φ4 and φ5: of the direct field against exact light, of the indirect one by how much it differs from equal weights.
+    // φ4 and φ5: of the direct field against exact light, of the indirect one by how much it differs from equal
+    // weights.
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
     let sphere = |weight, bounces| RenderOptions {
         interpolation: Interpolation::Sphere { radius: 2.0 },
