@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::{args::CompareArgs, exit::Failure, terminal};
 
-/// What is printed.
+/// The result, as it is printed.
 #[derive(Debug, Serialize)]
 struct Comparison {
     relrmse: f64,

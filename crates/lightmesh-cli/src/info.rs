@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{args::InfoArgs, exit::Failure, terminal};
 
-/// What a scene file holds.
+/// The contents of a scene file.
 #[derive(Debug, Serialize)]
 struct Info {
     scene: String,
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     terminal::print(&text).map_err(Failure::work)
 }
 
-/// Counts everything.
+/// Counts everything in a scene.
 fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
     let data = scene.data();
     let bounds = scene.bounds();

@@ -1,6 +1,5 @@
-//! The `lightmesh` program, and what other faces of the library share with it: options by their names, with their
-//! spellings, ranges and defaults, the choice of a camera, light from all sides, and what is said about a finished
-//! picture.
+//! The `lightmesh` program, and the parts that other interfaces of the library share with it: options by name, with
+//! their spellings, ranges and defaults, the choice of a camera, environments, and statistics of finished pictures.
 
 #![forbid(unsafe_code)]
 

@@ -163,7 +163,7 @@ fn check_memory(args: &RenderArgs, options: &RenderOptions) -> Result<(), Failur
     Ok(())
 }
 
-/// How many samples a time limit allowed.
+/// Describes how many samples a time limit allowed.
 fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     let seconds = limit.as_secs_f64();
     match stats.time_limit_reached {
@@ -172,7 +172,7 @@ fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     }
 }
 
-/// How far the light is from the truth, as far as that is known.
+/// Describes the estimated error of the light, beside the bound that was asked for.
 fn estimate(bound: f32, estimate: Option<f64>) -> String {
     match estimate {
         Some(0.0) => "every light is traced at every hit: the light is exact".into(),
@@ -185,7 +185,7 @@ fn estimate(bound: f32, estimate: Option<f64>) -> String {
     }
 }
 
-/// What is known of the light that more bounces would bring.
+/// Describes the light that more bounces would add; `None` if nothing is known of it.
 fn left_out(bounces: u32, part: Option<f64>) -> Option<String> {
     let part = part.filter(|_| bounces > 0)?;
     Some(format!("{bounces} bounce(s) leave out about {:.1}% of the light", 100.0 * part))

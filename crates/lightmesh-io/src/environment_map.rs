@@ -82,7 +82,7 @@ fn mend(name: String, image: Image) -> EnvironmentMap {
     EnvironmentMap { map, warnings: warnings.into_sentences() }
 }
 
-/// How many texels were mended, and the first.
+/// The number of texels that were mended, and the first of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mended {
     first: Option<usize>,

@@ -1,8 +1,8 @@
-//! What every reader of scenes is given, and what it returns.
+//! The options and the result of every reader of scenes.
 
 use lightmesh::SceneData;
 
-/// What the numbers of punctual lights mean.
+/// Units of the intensities of punctual lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Units {
     /// Candela and lux, as KHR_lights_punctual says.
@@ -12,13 +12,13 @@ pub enum Units {
     Blender,
 }
 
-/// How a scene file is read.
+/// Options of reading a scene file.
 #[derive(Clone, Debug)]
 pub struct LoadOptions {
     /// Units of punctual lights; default [`Units::Gltf`].
     pub units: Units,
-    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks
-    /// are never asked.
+    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. The
+    /// network is never used.
     pub allow_outside: bool,
     /// Name or index of the scene in a file that has several; `None`: the file's default, else its first.
     pub scene: Option<String>,
@@ -37,7 +37,7 @@ impl Default for LoadOptions {
 /// A scene that was read.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// What the file says.
+    /// The contents of the file.
     pub data: SceneData,
     /// What was left out or mended, one sentence each.
     pub warnings: Vec<String>,

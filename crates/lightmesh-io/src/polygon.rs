@@ -37,9 +37,9 @@ pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The polygon in the coordinate plane on which its shadow is largest, counter-clockwise.
+/// Projects the polygon onto the coordinate plane where its area is largest, counter-clockwise.
 fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
-    // Newell's normal: twice the areas of the three shadows.
+    // Newell's normal: twice the areas of the three projections.
     let next = corners.iter().cycle().skip(1);
     let normal: glam::DVec3 = corners.iter().zip(next).map(|(a, b)| a.as_dvec3().cross(b.as_dvec3())).sum();
     let size = normal.abs();
@@ -56,7 +56,7 @@ fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
     corners.iter().map(flat).collect()
 }
 
-/// Whether `p` is in the counter-clockwise triangle or on its edge.
+/// Returns whether `p` is in the counter-clockwise triangle or on its edge.
 fn inside([a, b, c]: [DVec2; 3], p: DVec2) -> bool {
     let left_of = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a) >= 0.0;
     left_of(a, b) && left_of(b, c) && left_of(c, a)

@@ -7,10 +7,10 @@ use lightmesh::SceneData;
 
 use crate::error::Error;
 
-/// What the bytes begin with: a name and the version of this library.
+/// The first bytes: a name and the version of this library.
 const MAGIC: [u8; 16] = *b"lightmesh scene\x01";
 
-/// The scene as bytes.
+/// Writes a scene as bytes.
 ///
 /// # Errors
 /// [`Error::Invalid`] where it has shapes of the user's own: they are code.
@@ -51,7 +51,7 @@ pub fn scene_from_bytes(bytes: &[u8]) -> Result<SceneData, Error> {
 
 const HEADER: usize = MAGIC.len() + 8;
 
-/// How messages call them.
+/// The name of the bytes in messages.
 const NAME: &str = "scene bytes";
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! From a path to a scene: which reader takes it.
+//! Reads a scene file with the reader for its format.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,7 +9,7 @@ use crate::error::{Error, one_line};
 use crate::load_options::{LoadOptions, Loaded};
 use crate::{gltf, obj, ply};
 
-/// What [`load`] reads, for messages.
+/// The formats that [`load`] reads, for messages.
 const READABLE: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary
@@ -46,7 +46,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
 /// Turns a file's name, bytes and folder into a scene, with what the file itself has left of the budget.
 type Reader = fn(&str, &[u8], Option<&Path>, &LoadOptions, Budget) -> Result<Loaded, Error>;
 
-/// Whether the file has the magic bytes of a binary glTF.
+/// Returns whether the file has the magic bytes of a binary glTF.
 fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {
     let read_error = |cause| Error::Read { file: one_line(file), cause };
     let mut start = Vec::with_capacity(4);
@@ -54,7 +54,7 @@ fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {
     Ok(start == *b"glTF")
 }
 
-/// The whole file, its bytes paid from the budget first.
+/// Reads the whole file, whose bytes are paid from the budget first.
 fn read_file(path: &Path, file: &str, budget: &mut Budget) -> Result<Vec<u8>, Error> {
     let read_error = |cause| Error::Read { file: one_line(file), cause };
     let handle = File::open(path).map_err(read_error)?;

@@ -23,9 +23,9 @@ pub(crate) struct PyImage {
     pub(crate) picture: Picture,
     layers: Vec<Layer>,
     metadata: Metadata,
-    /// Whether the metadata's camera took it.
+    /// Whether the camera of the metadata took the picture.
     has_camera: bool,
-    /// As JSON; empty where nothing is known.
+    /// Statistics as JSON; empty for a picture from a file.
     stats: String,
 }
 
@@ -92,7 +92,7 @@ impl PyImage {
         Ok(aovs)
     }
 
-    /// What the picture took, with the keys of --stats; empty for one that was read from a file.
+    /// Statistics of the render, with the keys of --stats; empty for a picture that was read from a file.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::parse(py, if self.stats.is_empty() { "{}" } else { &self.stats })

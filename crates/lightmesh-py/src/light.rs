@@ -21,7 +21,7 @@ impl PyLight {
         }
     }
 
-    /// Where it is, metres; None for a directional light.
+    /// Its position, metres; None for a directional light.
     #[getter]
     fn position(&self) -> Option<(f32, f32, f32)> {
         match self.light {

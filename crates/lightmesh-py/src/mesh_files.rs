@@ -17,8 +17,8 @@ use crate::scene::LitScene;
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 
-/// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment
-/// that is a file is not among them: a mesh file does not say what is opened.
+/// Settings that a loaded mesh takes from its file unless the caller gives others: all that its points depend on. An
+/// environment that is a file is not among them: a mesh file must not decide which files are opened.
 const KEPT: [&str; 21] = [
     "method",
     "bounces",
@@ -43,16 +43,16 @@ const KEPT: [&str; 21] = [
     "paper-scale",
 ];
 
-/// Bytes that are written between two looks at whether to stop.
+/// The most bytes that are written at once, before the next look at whether to stop.
 const AT_ONCE: usize = 1 << 22;
 
-/// Why there is no file.
+/// Why a mesh was not saved.
 enum SaveError {
     MeshInUse,
     File(Error),
 }
 
-/// Writes all that a mesh knows, whole or not at all.
+/// Writes everything that a mesh knows to a file, which appears whole or not at all.
 pub(crate) fn save(
     py: Python<'_>,
     path: PathBuf,
@@ -86,7 +86,7 @@ pub(crate) fn save(
     })
 }
 
-/// Counts what is written, and ends it when it is cancelled.
+/// A writer that counts bytes, and fails when the work is cancelled.
 struct Watched<'a> {
     out: &'a mut StagedFile,
     watch: &'a Watch,
@@ -111,17 +111,17 @@ impl Write for Watched<'_> {
     }
 }
 
-/// A file that has been read.
+/// A mesh file that has been read.
 pub(crate) struct Opened {
     path: PathBuf,
     file: MeshFile,
-    /// The settings to go on with.
+    /// The settings of the mesh: those of the file, under those of the caller.
     pub(crate) chosen: Pairs,
-    /// A map that lit the scene, which the caller has to name.
+    /// The environment map that lit the scene, if the caller did not name one.
     map: Option<String>,
 }
 
-/// Reads a file; `said` is what the caller says of the settings.
+/// Reads a mesh file; `said` are the settings that the caller gives.
 pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Opened> {
     let max_memory = keywords::parse(py, said)?.mesh_options().max_memory;
     let read = move |_: &Watch| {
@@ -141,7 +141,7 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Open
 }
 
 impl Opened {
-    /// The mesh, for the scene that it was made for.
+    /// Makes the mesh, for the scene that it belongs to.
     pub(crate) fn into_mesh(self, py: Python<'_>, lit: &LitScene) -> PyResult<LightMesh> {
         let (built, options) = (Arc::clone(&lit.built), lit.keywords.mesh_options());
         let Self { path, file, map, .. } = self;
@@ -156,7 +156,7 @@ impl Opened {
     }
 }
 
-/// The settings that a mesh goes on with, as pairs, and the environment's file.
+/// Returns the settings of the file that its mesh depends on, as pairs, and the file of its environment map.
 fn settings(json: &str) -> (Pairs, Option<String>) {
     let settings: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
     let text = |name: &str| match settings.get(name)? {

@@ -49,24 +49,24 @@ pub(crate) fn measure(
 }
 
 impl Reading {
-    /// From lights, (n, 3), lux.
+    /// Returns the light that comes straight from lights, (n, 3), lux.
     pub(crate) fn direct(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         arrays::from_colors(py, self.measured.direct)
     }
 
-    /// After reflections, (n, 3), lux.
+    /// Returns the light that surfaces have reflected, (n, 3), lux.
     pub(crate) fn indirect(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         arrays::from_colors(py, self.measured.indirect)
     }
 
-    /// Both together, (n, 3), lux.
+    /// Returns the sum of both, (n, 3), lux.
     pub(crate) fn irradiance(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let Measured { mut direct, indirect, .. } = self.measured;
         direct.iter_mut().zip(&indirect).for_each(|(direct, indirect)| *direct += *indirect);
         arrays::from_colors(py, direct)
     }
 
-    /// All of it, as `lightmesh.Measured`.
+    /// Returns both and the statistics, as `lightmesh.Measured`.
     pub(crate) fn into_measured(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         let Measured { direct, indirect, .. } = self.measured;
         let (direct, indirect) = (arrays::from_colors(py, direct)?, arrays::from_colors(py, indirect)?);

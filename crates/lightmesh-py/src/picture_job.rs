@@ -22,12 +22,11 @@ use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks, json, keywords};
 
-/// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with
-/// it).
+/// One picture that several processes render in parts, as lightmesh.cluster does.
 ///
-/// The samples of a picture are waves, numbered from 0; whoever has the same scene, camera and options can take any of
-/// them, and the picture is that of Scene.render, bit for bit. Mesh points can be filled before, together; those that
-/// are missing are filled on the way.
+/// The samples of a picture are waves, numbered from 0. Processes with the same scene, camera and options can each take
+/// any of them, and the picture is that of Scene.render, bit for bit. Mesh points can be filled together before; a wave
+/// fills those that it misses.
 /// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each
 /// of 512 points.
 #[pyclass(name = "PictureJob", module = "lightmesh", frozen)]
@@ -84,14 +83,14 @@ impl PyPictureJob {
         Ok(Self { job: Arc::new(job), threads: keywords.threads() })
     }
 
-    /// How many waves the picture's samples are.
+    /// The number of waves of the picture.
     #[getter]
     fn wave_count(&self, py: Python<'_>) -> PyResult<u64> {
         portions::wave_count(&self.job.options).map_err(|error| error.raise(py))
     }
 
-    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser
-    /// one are there.
+    /// The most levels that the meshes may have. Which points of a finer level are needed may only be known when those
+    /// of the coarser one are filled.
     #[getter]
     fn level_count(&self, py: Python<'_>) -> PyResult<u32> {
         let levels = self.job.with_mesh(|mesh| Ok(mesh.level_count()));
@@ -104,7 +103,7 @@ impl PyPictureJob {
         self.job.with_mesh(|mesh| Ok(mesh.has_indirect())).map_err(|error| error.raise(py))
     }
 
-    /// Diffuse interreflections: groups exchange their levels 0 to so many.
+    /// The number of diffuse interreflections; groups exchange levels from 0 to this.
     #[getter]
     fn bounces(&self) -> u32 {
         self.job.options.bounces
@@ -131,16 +130,16 @@ impl PyPictureJob {
         Fingerprint::of_text(&what).to_string()
     }
 
-    /// Looks at the whole picture, as far as the options want it (error, refine, graded), which the other methods do
-    /// where it has not been done; returns what it took, with the keys of the library's stats.
+    /// Prepares the mesh for the whole picture, as far as the options need that (error, refine, graded). The other
+    /// methods do it if it has not been done. Returns statistics, with the keys of the library's stats.
     #[pyo3(signature = (*, progress=None))]
     fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.run(py, progress, |job, watch| job.with_prepared(watch, |_, prepared| Ok(prepared.stats)))?;
         json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
-    /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that
-    /// this process lacks.
+    /// Finds the mesh points that waves first to last (exclusive) read and that this process lacks. Returns those of
+    /// the direct and those of the indirect mesh.
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn demand<'py>(
         &self,
@@ -160,7 +159,7 @@ impl PyPictureJob {
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
-    /// Fills points of the direct mesh; returns what it knows of all of them: uint8, (n,), for absorb.
+    /// Fills points of the direct mesh. Returns their values as bytes: uint8, (n,), for absorb.
     #[pyo3(signature = (bricks, *, progress=None))]
     fn fill_direct<'py>(
         &self,
@@ -178,7 +177,7 @@ impl PyPictureJob {
         Ok(bytes.into_pyarray(bricks.py()))
     }
 
-    /// Adds points that fill_direct or a group's contents gave; those that are there already are left as they are.
+    /// Adds points that fill_direct or Gathering.contents returned. Points that the mesh has already stay as they are.
     fn absorb(&self, contents: &Bound<'_, PyAny>) -> PyResult<()> {
         let bytes = arrays::bytes(contents, "contents")?;
         self.run(contents.py(), None, move |job, _| {
@@ -189,7 +188,7 @@ impl PyPictureJob {
         })
     }
 
-    /// Gathers light for some points of the indirect mesh: shoots their rays, and finds out what these read.
+    /// Begins to gather light for points of the indirect mesh: shoots their rays, and finds the points that these read.
     #[pyo3(signature = (bricks, *, progress=None))]
     fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
         let points = bricks::from_array(bricks, "bricks")?;
@@ -199,8 +198,8 @@ impl PyPictureJob {
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }
 
-    /// Takes the samples of waves first to last (exclusive): a dict with both, values (float32: the sums of each
-    /// pixel's light and layers), seen (uint8: what was seen of lamps) and stats (JSON).
+    /// Renders waves first to last (exclusive). Returns a dict with first, last, values (float32: the sums of light and
+    /// layers in each pixel), seen (uint8: which emitters the samples saw) and stats (JSON).
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn render<'py>(
         &self,
@@ -220,8 +219,8 @@ impl PyPictureJob {
         to_dict(py, portion)
     }
 
-    /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and
-    /// how many waves they are; None: there is nothing to do.
+    /// Finds the pixels on outlines of emitters, whose samples are to be taken anew, once all waves are rendered.
+    /// Returns what was seen there and the number of waves; None if there are no such pixels.
     fn outlines<'py>(
         &self,
         py: Python<'py>,
@@ -234,7 +233,7 @@ impl PyPictureJob {
         Ok(outlines.map(|outlines| (outlines.seen.into_pyarray(py), outlines.waves)))
     }
 
-    /// The picture from all waves, and those of the outlines.
+    /// Assembles the picture from all waves and those of the outlines.
     #[pyo3(signature = (portions, outlines=None, outline_portions=Vec::new()), text_signature = "($self, portions, outlines=None, outline_portions=())")]
     fn assemble<'py>(
         &self,

@@ -28,7 +28,7 @@ use experiments::EXPERIMENTS;
 use files::Folder;
 use lab::Lab;
 
-/// What is run.
+/// Options of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Small pictures: all of it within a minute, but times mean little.
@@ -52,8 +52,8 @@ pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|experiment| (experiment.id, experiment.title))
 }
 
-/// Runs the experiments into a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with what each has found, from which
-/// the next run goes on. What is kept of another size, version or number of threads is run again.
+/// Runs the experiments and writes a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with the result of each, so that
+/// the next run can go on from there. A result of another size, version or number of threads is computed again.
 ///
 /// # Errors
 /// [`Error`]; experiments that were finished are kept.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::lab::Place;
 
-/// A triangle in world space, and whose it is.
+/// A triangle in world space, and its instance.
 struct Sheet {
     instance: u32,
     corners: [Vec3; 3],
@@ -45,7 +45,7 @@ fn sheets(place: &Place) -> Vec<Sheet> {
     sheets
 }
 
-/// What the camera sees along the ray, cd/m².
+/// Returns the radiance along a camera ray, cd/m²; `None` where it hits nothing.
 fn radiance(place: &Place, sheets: &[Sheet], ray: &Ray, radius: f32) -> Option<Vec3> {
     let hit = place.scene.bvh().closest(ray)?;
     let Target::Triangle { instance, triangle } = hit.target else { return None };
@@ -71,7 +71,7 @@ fn radiance(place: &Place, sheets: &[Sheet], ray: &Ray, radius: f32) -> Option<V
     Some(albedo * *intensity_cd * (cos * passed as f32 / (to_light.length_squared() * std::f32::consts::PI)))
 }
 
-/// How much of the light at `light` passes a triangle on its way to `point`.
+/// Returns the fraction of the light at `light` that passes a triangle on its way to `point`.
 fn passed(sheet: &Sheet, point: Vec3, light: Vec3, radius: f32) -> f64 {
     let Sheet { corners: [a, b, c], .. } = *sheet;
     let (direction, distance) = ((light - point).normalize(), light.distance(point));
@@ -95,7 +95,7 @@ fn passed(sheet: &Sheet, point: Vec3, light: Vec3, radius: f32) -> f64 {
     0.5 * (1.0 + (PI * tau - FRAC_PI_2).sin())
 }
 
-/// How near a ray of unit direction comes to a segment, and where on the ray.
+/// Returns how near a ray of unit direction comes to a segment, and the distance along the ray.
 fn nearest(origin: Vec3, direction: Vec3, from: Vec3, to: Vec3) -> (f32, f32) {
     let (edge, offset) = (to - from, from - origin);
     // Both without their part along the ray: then the distance is that of a point from a segment.

@@ -9,19 +9,19 @@ use lightmesh_io::output::{Metadata, auto_exposure, write_png};
 use crate::error::Error;
 use crate::report::{Figure, Panel};
 
-/// Bytes as a data URI.
+/// Encodes bytes as a data URI.
 pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", STANDARD.encode(bytes))
 }
 
-/// Pictures beside each other, all exposed as the last one would be by itself.
+/// Makes a figure of pictures beside each other, all with the exposure that suits the last one.
 pub(crate) fn figure(caption: &str, pictures: &[(&str, &Image)]) -> Result<Figure, Error> {
     let ev = pictures.last().map_or(0.0, |(_, image)| auto_exposure(&image.pixels));
     let panels = pictures.iter().map(|(label, image)| panel(label, image, ev)).collect::<Result<_, _>>()?;
     Ok(Figure { caption: caption.to_owned(), panels })
 }
 
-/// A picture at an exposure, in EV.
+/// Makes a panel of a picture at an exposure, in EV.
 fn panel(label: &str, image: &Image, ev: f32) -> Result<Panel, Error> {
     let metadata = Metadata {
         software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
@@ -73,7 +73,7 @@ pub(crate) fn enlarged(image: &Image, part: Rect<u32>, times: u32) -> Image {
     Image { width: width_out, height: height_out, pixels: (0..width_out * height_out).map(pixel).collect() }
 }
 
-/// Luminance (Rec. 709), cd/m².
+/// Returns the luminance (Rec. 709), cd/m².
 pub(crate) fn luminance(color: Vec3) -> f64 {
     f64::from(color.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
 }

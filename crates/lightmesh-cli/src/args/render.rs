@@ -26,7 +26,7 @@ Examples:
 /// The most samples per pixel where time is what limits them.
 const MOST_SPP: u32 = 1 << 16;
 
-/// Everything that `render` may be told. Defaults are those of [`RenderOptions`]; a test holds them together.
+/// The arguments of `render`. Defaults are those of [`RenderOptions`]; a test holds them together.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
@@ -209,7 +209,7 @@ impl RenderArgs {
         }
     }
 
-    /// How the scene file is read.
+    /// Returns the options of reading the scene file.
     pub(crate) fn load_options(&self) -> LoadOptions {
         LoadOptions {
             units: match self.units {

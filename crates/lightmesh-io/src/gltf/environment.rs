@@ -14,8 +14,8 @@ use crate::error::{Error, one_line};
 /// Columns of a map made of nine coefficients, which show nothing finer than 60°.
 const SMOOTH_WIDTH: u32 = 64;
 
-/// The environment of the chosen scene: from the sharpest level of its cube map, else from the coefficients of its
-/// irradiance. A texel of 1 with an intensity of 1 is 1 cd/m².
+/// Reads the environment of the chosen scene: from the sharpest level of its cube map, else from the coefficients of
+/// its irradiance. A texel of 1 with an intensity of 1 is 1 cd/m².
 pub(super) fn environment(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,

@@ -1,4 +1,4 @@
-//! Which extensions are read, and what to say about the others.
+//! The extensions that are read, and messages about the others.
 
 use super::context::Context;
 use super::json::{Document, MaterialExtensions};
@@ -30,8 +30,8 @@ const HARMLESS: [&str; 7] = [
     "MSFT_lod",
 ];
 
-/// How to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain geometry
-/// where it reads compressed.
+/// Advises how to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain
+/// geometry where it reads compressed.
 fn advice(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
@@ -53,7 +53,7 @@ fn advice(extension: &str) -> &'static str {
     }
 }
 
-/// Whether it is one of the extensions that each material is asked for.
+/// Returns whether it is an extension of materials, which every material reports by itself.
 fn is_of_materials(extension: &str) -> bool {
     MaterialExtensions::default().unread().iter().any(|(name, _)| *name == extension)
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Irradiance(pub(super) [Vec3; 9]);
 
-/// What the cosine lobe makes of each band: E_lm = Â_l L_lm, with Â = π, 2π/3, π/4. Ramamoorthi and Hanrahan, "An
+/// The factor of the cosine lobe for each band: E_lm = Â_l L_lm, with Â = π, 2π/3, π/4. Ramamoorthi and Hanrahan, "An
 /// Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001, equations (5) and (8).
 const COSINE_LOBE: [f32; 3] = [PI, TAU / 3.0, FRAC_PI_4];
 

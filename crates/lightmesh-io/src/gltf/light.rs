@@ -15,7 +15,7 @@ use crate::load_options::Units;
 /// Luminous efficacy that Blender's exporter multiplies lamps by, lm/W.
 const LUMENS_PER_WATT: f32 = 683.0;
 
-/// The scene's lights in the order of their nodes.
+/// Reads the scene's lights in the order of their nodes.
 pub(super) fn lights(context: &mut Context<'_>, document: &Document, placed: &[Placed]) -> Result<Vec<Light>, Error> {
     let descriptions = document.extensions.lights_punctual.as_ref().map_or(&[][..], |l| &l.lights);
     context.spend("lights", placed.len() as u64, size_of::<Light>() as u64)?;
@@ -28,7 +28,7 @@ pub(super) fn lights(context: &mut Context<'_>, document: &Document, placed: &[P
     Ok(lights)
 }
 
-/// One light; `None` where its direction is lost in a zero scale.
+/// Reads one light; `None` if its direction is lost in a zero scale.
 fn light(
     context: &mut Context<'_>,
     node_place: Place<'_>,
@@ -82,7 +82,7 @@ fn light(
     })
 }
 
-/// Inner and outer half angle (radians) with 0 ≤ inner < outer ≤ π/2, mended where needed.
+/// Returns the inner and outer half angle (radians) with 0 ≤ inner < outer ≤ π/2, mended where needed.
 fn cone(context: &mut Context<'_>, place: Place<'_>, spot: &json::Spot) -> (f32, f32) {
     // Empirical: under a milliradian cos inner − cos outer drowns in f32 rounding even for inner = 0 (5·10⁻⁷ against
     // 6·10⁻⁸).

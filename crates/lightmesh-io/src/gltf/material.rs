@@ -9,7 +9,7 @@ use super::json::{self, Document};
 use super::texture::{Encoding, Textures};
 use crate::error::Error;
 
-/// Material `index` of the file; `None` is glTF's default material (white, metallic, fully rough).
+/// Reads material `index` of the file; `None` is glTF's default material (white, metallic, fully rough).
 pub(super) fn material(
     context: &mut Context<'_>,
     document: &Document,
@@ -78,7 +78,7 @@ pub(super) fn material(
     })
 }
 
-/// A factor that must lie in [0, 1], clamped with a warning.
+/// Clamps a factor to [0, 1], with a warning.
 fn unit(context: &mut Context<'_>, at: Place<'_>, value: f32) -> f32 {
     let clamped = if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
     if clamped != value {
@@ -87,7 +87,7 @@ fn unit(context: &mut Context<'_>, at: Place<'_>, value: f32) -> f32 {
     clamped
 }
 
-/// emissiveFactor × emissiveStrength, cd/m².
+/// Returns emissiveFactor × emissiveStrength, cd/m².
 fn emission(context: &Context<'_>, at: Place<'_>, factor: [f32; 3], strength: f32) -> Result<Vec3, Error> {
     let emission = Vec3::from_array(factor) * strength;
     if emission.is_finite() && emission.min_element() >= 0.0 {

@@ -39,7 +39,7 @@ pub(super) fn primitives(
     Ok(meshes)
 }
 
-/// One primitive without its name and material; `None` where it has nothing to show.
+/// Reads one primitive without its name and material; `None` if it has nothing to show.
 fn read_primitive(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,
@@ -163,7 +163,7 @@ fn read_shading(
     Ok(())
 }
 
-/// Replaces what is not `good`, and counts.
+/// Replaces values that are not `good`; returns their number.
 fn mend<T: Copy>(values: &mut [T], good: impl Fn(T) -> bool, replacement: T) -> u64 {
     let mut mended = 0;
     for value in values.iter_mut().filter(|value| !good(**value)) {
@@ -173,13 +173,13 @@ fn mend<T: Copy>(values: &mut [T], good: impl Fn(T) -> bool, replacement: T) -> 
     mended
 }
 
-/// Whether the corners lie on a line, in double precision so that small triangles do not underflow.
+/// Returns whether the corners lie on a line, in double precision so that small triangles do not underflow.
 fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a) == glam::DVec3::ZERO
 }
 
-/// Unit direction and handedness ±1.
+/// Returns the unit direction and the handedness ±1; `None` if the direction is zero or not finite.
 fn unit_tangent([x, y, z, w]: [f32; 4]) -> Option<Vec4> {
     let direction = normals::unit(Vec3::new(x, y, z))?;
     Some(direction.extend(if w < 0.0 { -1.0 } else { 1.0 }))

@@ -129,7 +129,7 @@ impl<K> Default for Used<K> {
 }
 
 impl<K: Copy + Ord> Used<K> {
-    /// The key's number.
+    /// Returns the key's number.
     fn number(&mut self, key: K) -> usize {
         *self.index.entry(key).or_insert_with(|| {
             self.order.push(key);

@@ -78,8 +78,8 @@ fn percent_decode(text: &str) -> Vec<u8> {
     decoded
 }
 
-/// Whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:` is one
-/// too.
+/// Returns whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:`
+/// is one too.
 fn has_scheme(uri: &str) -> bool {
     uri.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -87,7 +87,7 @@ fn has_scheme(uri: &str) -> bool {
     })
 }
 
-/// The file at a relative path.
+/// Reads the file at a relative path.
 fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
     // Decode the name of the file.
     if has_scheme(uri) {

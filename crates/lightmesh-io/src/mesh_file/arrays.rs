@@ -1,4 +1,4 @@
-//! Which arrays contents are: there and back.
+//! Converts the contents of a mesh to arrays and back.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use super::read::{ArrayReader, Shape};
 use super::tensor::Tensor;
 use crate::error::Error;
 
-/// All arrays of a file.
+/// Converts contents to the arrays of a file.
 pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
     let mut tensors = Vec::new();
 

@@ -1,4 +1,4 @@
-//! Mesh files: what a light mesh knows, to go on from in another run, on another machine, or to look at in Python.
+//! Mesh files: the contents of a light mesh, to continue in another run or on another machine, or to study in Python.
 //!
 //! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the
 //! header as JSON, and arrays of numbers, little-endian and row by row. Any reader of that format opens it.
@@ -38,12 +38,12 @@ use crate::error::{Error, one_line};
 pub use read::{mesh_from_bytes, read_mesh};
 pub use write::{mesh_to_bytes, write_mesh, write_mesh_to};
 
-/// What a mesh file says.
+/// The contents of a mesh file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
-    /// Of the scene that the mesh belongs to.
+    /// Fingerprint of the scene that the mesh belongs to.
     pub scene: Fingerprint,
-    /// Of the settings that its points depend on.
+    /// Fingerprint of the settings that its points depend on.
     pub settings_fingerprint: Fingerprint,
     /// Program and version, as in `lightmesh 0.1.0`.
     pub software: String,
@@ -51,7 +51,7 @@ pub struct MeshFile {
     pub method: String,
     /// Every setting, as a JSON object.
     pub settings: String,
-    /// What the mesh knows.
+    /// Points and values of the mesh.
     pub contents: Contents,
 }
 
@@ -80,12 +80,12 @@ impl MeshFile {
         }
     }
 
-    /// How many bounces its mesh was made for; 0 where it has no indirect light.
+    /// Returns the number of bounces that the mesh was made for; 0 if it has no indirect light.
     pub fn bounces(&self) -> u32 {
         self.contents.indirect.as_ref().map_or(0, |indirect| indirect.bounces)
     }
 
-    /// Refuses what was made for another scene or with other settings. `file` names it in messages.
+    /// Refuses a mesh that was made for another scene or with other settings. `file` names it in messages.
     ///
     /// # Errors
     /// [`Error::OtherScene`], [`Error::OtherSettings`].
@@ -108,7 +108,7 @@ impl MeshFile {
         Ok(())
     }
 
-    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer.
+    /// Makes a mesh for renders with these options, with the points of the file. The file may be for more bounces.
     /// `file` names it in messages.
     ///
     /// # Errors

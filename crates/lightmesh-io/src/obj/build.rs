@@ -1,4 +1,4 @@
-//! From the text's arrays, where each corner has its own three indices, to meshes with one index.
+//! Builds meshes, with one index per corner, from the arrays of the text, where each corner has three.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use super::parse::{Corner, Obj, Part};
 use crate::error::{Error, one_line};
 use crate::polygon::triangulate;
 
-/// The scene: one mesh per part that has faces, where its coordinates say.
+/// Builds the scene: one mesh for each part that has faces, placed once.
 pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, Error> {
     let mut data = SceneData::default();
     let mut materials = Materials::load(context, &obj.libraries)?;
@@ -35,7 +35,7 @@ pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, E
 /// The bytes that a vertex takes in the mesh and in the map that finds it again.
 const VERTEX_BYTES: usize = 3 * size_of::<Vec3>() + size_of::<glam::Vec4>() + 2 * size_of::<(Corner, u32)>();
 
-/// One part's triangles. A vertex is shared where position, texture coordinate and normal are.
+/// Builds the mesh of one part. Corners share a vertex if position, texture coordinate and normal are the same.
 fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> Result<TriangleMesh, Error> {
     // Find out which attributes the mesh has.
     let has_normal = |corner: &Corner| corner.normal.is_some_and(|i| obj.normals[i as usize] != Vec3::ZERO);
@@ -92,7 +92,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
     Ok(mesh)
 }
 
-/// The unit normal of a polygon; +Z where it has no area.
+/// Returns the unit normal of a polygon; +Z if it has no area.
 fn newell(corners: &[Vec3]) -> Vec3 {
     let origin = corners[0].as_dvec3();
     let sum: glam::DVec3 =

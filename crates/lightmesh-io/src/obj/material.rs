@@ -179,7 +179,7 @@ impl Materials {
     }
 }
 
-/// One image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is
+/// Reads an image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is
 /// none).
 fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>) -> Result<Option<ImageData>, Error> {
     let color = color.map(|map| read_image(context, &map.path)).transpose()?.flatten();

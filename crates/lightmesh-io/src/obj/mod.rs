@@ -19,7 +19,7 @@ use crate::error::{Error, one_line};
 use crate::load_options::{LoadOptions, Loaded};
 use crate::warnings::Warnings;
 
-/// What every step needs: the file's name, its folder, the options, the budget, the warnings.
+/// The state of one reading: the file's name, its folder, the options, the budget, the warnings.
 pub(crate) struct Context<'a> {
     file: &'a str,
     folder: Option<&'a Path>,

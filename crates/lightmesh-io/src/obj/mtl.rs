@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 /// A reference to an image file with its options.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
-    /// As written.
+    /// The path as the file has it.
     pub(super) path: String,
     /// `-s`: scale of u and v.
     pub(super) scale: Vec2,

@@ -19,9 +19,9 @@ pub(super) struct Corner {
 /// The faces of one group (or object) and one material.
 #[derive(Debug, Default)]
 pub(super) struct Part {
-    /// Of the group.
+    /// Name of the group.
     pub(super) name: String,
-    /// Of the material; empty: none was chosen.
+    /// Name of the material; empty if none was chosen.
     pub(super) material: String,
     /// Corners of all faces, one face after the other.
     pub(super) corners: Vec<Corner>,
@@ -29,7 +29,7 @@ pub(super) struct Part {
     pub(super) ends: Vec<usize>,
 }
 
-/// What the file says.
+/// The contents of the file.
 #[derive(Debug, Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<Vec3>,
@@ -39,9 +39,9 @@ pub(super) struct Obj {
     pub(super) uvs: Vec<Vec2>,
     /// Unit; zero where the file's has no direction.
     pub(super) normals: Vec<Vec3>,
-    /// In the order in which they begin.
+    /// Parts in the order in which they begin.
     pub(super) parts: Vec<Part>,
-    /// What stands after each `mtllib`.
+    /// The rest of each `mtllib` line.
     pub(super) libraries: Vec<String>,
 }
 
@@ -198,7 +198,7 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
     Ok(())
 }
 
-/// What a corner's field refers to.
+/// The target of a field of a corner.
 enum Index {
     /// An item, counted from 0.
     At(u32),

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 /// The grey on which the logarithmic mean of a picture is put, display-linear: the photographic 18%.
 const KEY: f64 = 0.18;
-/// What the highlights may reach, display-linear. At 2 the tone map shows 0.97: still a little drawing in the brightest
-/// parts. Empirical: looked at on interiors with lamps in view.
+/// The value that highlights may reach, display-linear. At 2 the tone map shows 0.97: still a little drawing in the
+/// brightest parts. Empirical: looked at on interiors with lamps in view.
 const HIGHLIGHT: f64 = 2.0;
 /// The fraction of lit pixels that may be brighter than [`HIGHLIGHT`]: lamps themselves. Empirical, as above.
 const LAMPS: f64 = 0.02;

@@ -56,12 +56,12 @@ impl StagedFile {
         }
     }
 
-    /// Where the content lies until it is committed.
+    /// Returns the path of the content until it is committed.
     pub fn temporary(&self) -> &Path {
         &self.temporary
     }
 
-    /// Where it will lie.
+    /// Returns the path of the content after that.
     pub fn target(&self) -> &Path {
         &self.target
     }

@@ -1,4 +1,4 @@
-//! From scene luminance to what a display shows.
+//! Tone mapping: from scene luminance to the values of a display.
 //!
 //! The curve is the highlight compression of the **Khronos PBR Neutral** tone mapper
 //! (<https://github.com/KhronosGroup/ToneMapping>, `PBR_Neutral`), without its toe.
@@ -18,9 +18,9 @@
 
 use glam::Vec3;
 
-/// Where compression starts: below, a value passes unchanged. Khronos' constant.
+/// The value where compression starts; smaller values pass unchanged. Khronos' constant.
 const START: f32 = 0.8;
-/// How fast compressed colours lose saturation. Khronos' constant.
+/// The rate at which compressed colours lose saturation. Khronos' constant.
 const DESATURATION: f32 = 0.15;
 
 /// The display-linear colour of an exposed one; each channel of the result in [0, 1].

@@ -26,7 +26,7 @@ impl<'a> Body<'a> {
         self.bytes.len() - self.offset
     }
 
-    /// Where we are, for messages.
+    /// Returns the current position, for messages.
     pub(super) fn place(&self) -> String {
         match self.encoding {
             Encoding::Ascii => format!("line {}", self.line),

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, one_line};
 
-/// How the body is written.
+/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -38,7 +38,7 @@ impl Scalar {
         })
     }
 
-    /// In a binary body.
+    /// Returns the size in a binary body, bytes.
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -48,13 +48,13 @@ impl Scalar {
         }
     }
 
-    /// Whether it counts things.
+    /// Returns whether it is an integer type.
     pub(super) fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 }
 
-/// What a property holds.
+/// The values of a property: one, or a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Scalar(Scalar),

@@ -10,7 +10,7 @@ use crate::error::{Error, one_line};
 use crate::srgb::linear_from_srgb;
 use crate::warnings::Warnings;
 
-/// What a scalar property of a vertex is for: an attribute and its component.
+/// The attribute, and its component, that a scalar property of a vertex fills.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Position(usize),

@@ -62,14 +62,14 @@ impl PyLightMesh {
         listener.close(mesh_files::save(py, path, lit, self.mesh.clone(), units, listener.callback()))
     }
 
-    /// Evaluates points before anybody reads them: what is read later is the same, and shoots no more rays for them.
+    /// Evaluates mesh points ahead of time. Later reads give the same values, and shoot no rays for these points.
     ///
     /// points: (N, 3), metres: all mesh points that meters there read, whichever way they face.
     /// region: instead of them the least and the largest corner of a box, (2, 3), metres: all mesh points in it, of
     /// both meshes; surfaces in it read points up to a spacing further out.
     /// progress: as for Scene.render, in mesh points.
     ///
-    /// Returns what it took, as stats of measure.
+    /// Returns statistics, as the stats of measure.
     #[pyo3(signature = (points=None, *, region=None, progress=None))]
     fn fill<'py>(
         &self,
@@ -86,7 +86,7 @@ impl PyLightMesh {
         json::parse(py, &self.fill_target(py, target, progress)?)
     }
 
-    /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
+    /// Measures the irradiance at meters, direct and indirect light together: (N, 3), lux per channel, float32.
     ///
     /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which
     /// way they face. Each gets what a surface in its place would get in a picture, from the hemisphere that it faces.
@@ -105,7 +105,7 @@ impl PyLightMesh {
         self.read(positions, normals, progress, None)?.irradiance(positions.py())
     }
 
-    /// The part of irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh
+    /// Measures the irradiance that comes straight from lights: (N, 3), lux per channel, float32. The indirect mesh
     /// stays as it is, but for scenes with emission that only gather rays find.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn direct<'py>(
@@ -117,8 +117,8 @@ impl PyLightMesh {
         self.read(positions, normals, progress, Some(0))?.direct(positions.py())
     }
 
-    /// The part of irradiance that surfaces have reflected: (N, 3), lux per channel, float32. For both parts, measure
-    /// asks once.
+    /// Measures the irradiance that surfaces have reflected: (N, 3), lux per channel, float32. To get both parts, call
+    /// measure once.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn indirect<'py>(
         &self,
@@ -129,7 +129,7 @@ impl PyLightMesh {
         self.read(positions, normals, progress, None)?.indirect(positions.py())
     }
 
-    /// Both parts of irradiance, and what measuring took: a Measured, which is a tuple (direct, indirect, stats).
+    /// Measures both parts of irradiance. Returns a Measured, which is a tuple (direct, indirect, stats).
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn measure<'py>(
         &self,
@@ -146,7 +146,7 @@ impl PyLightMesh {
         self.scene.clone_ref(py)
     }
 
-    /// What it holds, as the key "mesh" of an image's stats: for "direct" and "indirect" spacing_m (metres),
+    /// Statistics of the mesh, as the key "mesh" of an image's stats: for "direct" and "indirect" spacing_m (metres),
     /// points_used, points_refined, points_total, points_invalid and bytes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -154,13 +154,13 @@ impl PyLightMesh {
         json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
-    /// Between neighbours of the direct mesh, metres; on level l half of it l times.
+    /// Spacing of the direct mesh, metres; level l has it divided by 2**l.
     #[getter]
     fn spacing(&self, py: Python<'_>) -> PyResult<f64> {
         self.with_mesh(py, |mesh| mesh.stats().spacing_m)
     }
 
-    /// Between neighbours of the indirect mesh, metres; None where there is none.
+    /// Spacing of the indirect mesh, metres; None if there is no indirect mesh.
     #[getter]
     fn indirect_spacing(&self, py: Python<'_>) -> PyResult<Option<f64>> {
         self.with_mesh(py, |mesh| Some(mesh.indirect_stats().spacing_m).filter(|&spacing| spacing > 0.0))
@@ -174,7 +174,7 @@ impl PyLightMesh {
         PyMeshArrays::points(&self.snapshot(py)?, Part::Direct)
     }
 
-    /// What the points know of direct light, float32; NaN for points that give none (valid).
+    /// Values of the points of the direct mesh, float32; NaN for points that give no light (see valid).
     ///
     /// Of method "mesh" (N, 6, 2, 3), lux: by point, for planes that face +x, -x, +y, -y, +z, -z, the irradiance that
     /// arrives, and the one that would if nothing were in the way. Of "paper" (N, 2, 3): formula (1) of the paper, and
@@ -197,7 +197,7 @@ impl PyLightMesh {
         PyMeshArrays::valid(&self.snapshot(py)?, Part::Direct)
     }
 
-    /// On which level points of the direct mesh are: (N,), uint8; 0 but with refine, graded or error.
+    /// Levels of the points of the direct mesh: (N,), uint8; all 0 without refine, graded and error.
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         PyMeshArrays::levels(&self.snapshot(py)?, Part::Direct)
@@ -209,9 +209,9 @@ impl PyLightMesh {
         PyMeshArrays::points(&self.snapshot(py)?, Part::Indirect)
     }
 
-    /// What they know of indirect light, after the mesh's bounces: (N, 6, 3), lux, float32: by point the irradiance on
-    /// planes that face +x, -x, +y, -y, +z, -z. Of method "paper" (N, 3): formula (4), four times the irradiance on any
-    /// plane were the light even. NaN for points that give none.
+    /// Values of the points of the indirect mesh, after its bounces: (N, 6, 3), lux, float32: by point the irradiance
+    /// on planes that face +x, -x, +y, -y, +z, -z. Of method "paper" (N, 3): formula (4), four times the irradiance on
+    /// any plane were the light even. NaN for points that give none.
     #[getter]
     fn indirect_values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = PyMeshArrays::values(&self.snapshot(py)?, Part::Indirect)?;
@@ -224,7 +224,7 @@ impl PyLightMesh {
         PyMeshArrays::valid(&self.snapshot(py)?, Part::Indirect)
     }
 
-    /// On which level points of the indirect mesh are: (N,), uint8.
+    /// Levels of the points of the indirect mesh: (N,), uint8.
     #[getter]
     fn indirect_levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         PyMeshArrays::levels(&self.snapshot(py)?, Part::Indirect)

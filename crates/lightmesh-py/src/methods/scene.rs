@@ -36,7 +36,7 @@ impl PyScene {
     /// max_memory: the most that reading may take, bytes or with a unit as in "4GiB"; more is a MemoryLimitError.
     /// scene: which scene of the file, by name or index; None: the file's own choice.
     ///
-    /// What was left out or mended stands in warnings.
+    /// The property warnings tells what was left out or mended.
     #[staticmethod]
     #[pyo3(
         signature = (path, *, units="gltf", allow_outside=false, max_memory=None, scene=None),
@@ -62,13 +62,13 @@ impl PyScene {
         scene::load(py, path, &pairs)
     }
 
-    /// The scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling does the
-    /// same.
+    /// Writes the scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling
+    /// does the same.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         scene::bytes::write(py, self)
     }
 
-    /// The scene that to_bytes made bytes of.
+    /// Reads the scene that to_bytes wrote.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, data: &[u8]) -> PyResult<Self> {
         scene::bytes::read(py, data)
@@ -125,7 +125,7 @@ impl PyScene {
         })
     }
 
-    /// Places a mesh that was added once more, at another place; its triangles are kept once.
+    /// Places a mesh that was added before once more; its triangles are shared.
     ///
     /// mesh: its index. transform: (4, 4), turns column vectors of the mesh into the world's.
     fn add_instance(&self, mesh: usize, transform: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -220,7 +220,7 @@ impl PyScene {
         })
     }
 
-    /// Lights the scene from all sides, in place of what did; None: no longer.
+    /// Replaces the environment, which lights the scene from all sides; None removes it.
     ///
     /// environment: a colour, (3,) or one number, or a latitude-longitude map, (H, W, 3), linear, whose middle is +X
     /// and whose first row is up (+Y); cd/m² per channel, times strength. rotation: degrees about +Y, counter-clockwise
@@ -232,7 +232,7 @@ impl PyScene {
         Ok(())
     }
 
-    /// Triangles that are in view of rays: those of a mesh count once for each of its places.
+    /// The number of triangles; those of a mesh count once for each of its instances.
     #[getter]
     fn triangle_count(&self) -> u64 {
         self.with_data(|data| {
@@ -261,13 +261,13 @@ impl PyScene {
         Ok((bounds.min.into(), bounds.max.into()))
     }
 
-    /// What was left out, mended or cannot be shown as it was meant, one sentence each.
+    /// Warnings: what was left out, mended or cannot be shown as it was meant, one sentence each.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.all_warnings()
     }
 
-    /// How many light samples stand for all that shines, as the scene was last rendered.
+    /// The number of light samples that represent all emitters, as the scene was last rendered.
     #[getter]
     fn light_sample_count(&self, py: Python<'_>) -> PyResult<u64> {
         Ok(self.built(py)?.scene.light_sample_count())
@@ -323,7 +323,7 @@ impl PyScene {
         progress.close(result)
     }
 
-    /// What arrives at meters, direct and indirect light: (N, 3), lux per channel, float32.
+    /// Measures the irradiance at meters, direct and indirect light together: (N, 3), lux per channel, float32.
     ///
     /// positions: (N, 3), metres; on surfaces or in the open. normals: (N, 3), or (3,) for all, of any length: which
     /// way they face.

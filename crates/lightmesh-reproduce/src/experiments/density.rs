@@ -11,7 +11,7 @@ use crate::scenes::SceneName;
 
 const POINTS: [f32; 4] = [160.0, 80.0, 40.0, 20.0];
 
-/// What the paper gains where density is halved.
+/// The paper's gain from half the density, from and to.
 const GAIN: (f64, f64) = (1.3, 2.5);
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {

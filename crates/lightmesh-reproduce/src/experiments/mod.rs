@@ -19,12 +19,12 @@ pub(crate) struct Experiment {
     /// Its name on the command line and in links.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// What of the paper it repeats.
+    /// Which part of the paper it repeats.
     pub(crate) paper: &'static str,
     pub(crate) run: fn(&mut Lab<'_>) -> Result<Section, Error>,
 }
 
-/// All of them.
+/// All experiments.
 pub(crate) const EXPERIMENTS: [Experiment; 9] = [
     Experiment {
         id: "lights",

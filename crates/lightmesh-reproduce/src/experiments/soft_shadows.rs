@@ -19,15 +19,15 @@ const RADII: [f32; 2] = [0.1, 0.25];
 /// Points along the longest edge (8 m) of the meshes.
 const POINTS: [f32; 2] = [40.0, 80.0];
 
-/// Samples of the spherical light that is the truth.
+/// Samples of the spherical light that gives the reference picture.
 const SAMPLES: u32 = 256;
 
-/// Light, as a part of what there is without the sheet, that counts as full shadow and as none.
+/// Fractions of the light without the sheet that count as full shadow and as no shadow.
 const EDGE: (f64, f64) = (0.03, 0.97);
 
 /// The profile: pixels across the edge of the sheet's shadow, on the floor.
 const PIXELS: u32 = 480;
-/// Half of what they show, metres.
+/// Half the width that they show, metres.
 const HALF: f32 = 0.7;
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
@@ -155,7 +155,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     Ok(Section { text, tables: vec![table], figures: vec![shown, plot.figure()?], claims, ..Section::default() })
 }
 
-/// The sheet's instance is the last one.
+/// Returns the corners of the sheet, which is the last instance.
 fn sheet(place: &Place) -> [Vec3; 3] {
     let placed = place.data.instances.last().expect("the scene has a sheet");
     let mesh = &place.data.meshes[placed.mesh];
@@ -163,12 +163,12 @@ fn sheet(place: &Place) -> [Vec3; 3] {
     mesh.triangles[0].map(corner)
 }
 
-/// Where a point's shadow falls on the floor.
+/// Projects a point from the light onto the floor.
 fn shadow(light: Vec3, point: Vec3) -> Vec3 {
     light + (point - light) * (light.y / (light.y - point.y))
 }
 
-/// A camera under the sheet that looks straight down on the middle of a shadow's edge, its rows across that edge.
+/// Makes a camera under the sheet that looks straight down on the middle of a shadow's edge, its rows across that edge.
 fn edge_camera(place: &Place) -> Camera {
     let light = light_of(&place.data);
     let [a, b, c] = sheet(place).map(|corner| shadow(light, corner));
@@ -183,14 +183,14 @@ fn edge_camera(place: &Place) -> Camera {
     Camera::look_at(middle + Vec3::Y * height, middle, 2.0 * (half_height / height).atan())
 }
 
-/// The place without its sheet, seen by a camera.
+/// Builds the place without its sheet, with another camera.
 fn bare_floor(lab: &Lab<'_>, place: &Place, camera: Camera) -> Result<Place, Error> {
     let mut data = place.data.clone();
     data.instances.pop();
     lab.made_up(format!("bare floor {camera:?}"), data, camera)
 }
 
-/// The sheet, a third of a cell large, seen from below.
+/// Builds the place with a sheet a third of a cell large, and a camera on its shadow.
 fn small_sheet(lab: &Lab<'_>, place: &Place) -> Result<Place, Error> {
     let (mut data, _) = scenes::read(SceneName::Triangle)?;
     let corners = sheet(place);
@@ -205,7 +205,7 @@ fn small_sheet(lab: &Lab<'_>, place: &Place) -> Result<Place, Error> {
     lab.made_up("small sheet".to_owned(), data, camera)
 }
 
-/// The part of the light that arrives along the middle row, by metres from the middle.
+/// Returns the fraction of the light that arrives along the middle row, with the distance from its middle, metres.
 fn profile(image: &Image, open: &Image) -> Vec<(f64, f64)> {
     let row = (image.height / 2 * image.width) as usize;
     let pairs = image.pixels[row..].iter().zip(&open.pixels[row..]).take(image.width as usize);
@@ -213,7 +213,7 @@ fn profile(image: &Image, open: &Image) -> Vec<(f64, f64)> {
     pairs.enumerate().map(|(i, (a, b))| (place(i), luminance(*a) / luminance(*b).max(1e-9))).collect()
 }
 
-/// Where a hard shadow begins.
+/// Returns where a hard shadow begins, metres.
 fn edge_of(profile: &[(f64, f64)]) -> f64 {
     profile
         .windows(2)
@@ -221,7 +221,7 @@ fn edge_of(profile: &[(f64, f64)]) -> f64 {
         .map_or(0.0, |pair| 0.5 * (pair[0].0 + pair[1].0))
 }
 
-/// How far a profile is soft on the shadow's side of the edge and on the other one, metres.
+/// Measures how far a profile is soft: inside the shadow of a point light, and outside it, metres.
 fn widths(profile: &[(f64, f64)], edge: f64) -> (f64, f64) {
     let right_is_dark = profile.last().map_or(0.0, |p| p.1) < profile.first().map_or(0.0, |p| p.1);
     let sign = if right_is_dark { 1.0 } else { -1.0 };
