@@ -133,8 +133,8 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Open
         work::run(py, None, None, AtInterrupt::Abandon, read)?.map_err(|error: Error| error.raise(py))?;
     let (kept, map) = settings(&file.settings);
     if let Err(error) = keywords::parse(py, &kept) {
-        let what = error.value(py).to_string();
-        return Err(error::scene(py, format!("{}: settings: {what}", path.display())));
+        let message = error.value(py).to_string();
+        return Err(error::scene(py, format!("{}: settings: {message}", path.display())));
     }
     let map = map.filter(|_| said.iter().all(|(name, _)| name != "environment"));
     Ok(Opened { chosen: keywords::over(&kept, said), path, file, map })

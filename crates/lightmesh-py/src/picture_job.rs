@@ -126,8 +126,8 @@ impl PyPictureJob {
     #[getter]
     fn fingerprint(&self) -> String {
         let job = &self.job;
-        let what = format!("{} {} {:?} {SOFTWARE}", job.scene, job.settings(), job.camera);
-        Fingerprint::of_text(&what).to_string()
+        let text = format!("{} {} {:?} {SOFTWARE}", job.scene, job.settings(), job.camera);
+        Fingerprint::of_text(&text).to_string()
     }
 
     /// Prepares the mesh for the whole picture, as far as the options need that (error, refine, graded). The other

@@ -62,16 +62,16 @@ fn percent_decode(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let hex = |b: Option<&u8>| b.and_then(|&b| char::from(b).to_digit(16));
     let mut decoded = Vec::with_capacity(bytes.len());
-    let mut at = 0;
-    while at < bytes.len() {
-        match (bytes[at], hex(bytes.get(at + 1)), hex(bytes.get(at + 2))) {
+    let mut index = 0;
+    while index < bytes.len() {
+        match (bytes[index], hex(bytes.get(index + 1)), hex(bytes.get(index + 2))) {
             (b'%', Some(high), Some(low)) => {
                 decoded.push((high * 16 + low) as u8);
-                at += 3;
+                index += 3;
             }
             (byte, ..) => {
                 decoded.push(byte);
-                at += 1;
+                index += 1;
             }
         }
     }

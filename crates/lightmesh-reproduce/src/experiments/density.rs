@@ -32,12 +32,12 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     for (i, &points) in points.iter().enumerate() {
         let mut row = vec![format!("1/{points}").into()];
         for (method, errors) in errors.iter_mut().enumerate() {
-            let at = 2 * i + method;
-            let shot = lab.shot(&place, &ways[at])?;
+            let index = 2 * i + method;
+            let shot = lab.shot(&place, &ways[index])?;
             let error = 100.0 * shot.error(&standard);
             errors.push((f64::from(points), error));
-            let gain = at.checked_sub(2).map(|denser| seconds[denser] / seconds[at]);
-            row.extend([seconds[at].into(), gain.into(), error.into(), shot.stats.direct.points_used.into()]);
+            let gain = index.checked_sub(2).map(|denser| seconds[denser] / seconds[index]);
+            row.extend([seconds[index].into(), gain.into(), error.into(), shot.stats.direct.points_used.into()]);
         }
         rows.push(row);
     }
@@ -59,7 +59,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let [paper, mesh] = errors;
     let least = |errors: &[(f64, f64)]| errors.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
     let (least_paper, least_mesh) = (least(&paper), least(&mesh));
-    let gains: Vec<f64> = (2..ways.len()).step_by(2).map(|at| seconds[at - 2] / seconds[at]).collect();
+    let gains: Vec<f64> = (2..ways.len()).step_by(2).map(|index| seconds[index - 2] / seconds[index]).collect();
     let mean_gain = gains.iter().map(|g| g.ln()).sum::<f64>() / gains.len() as f64;
     let gain = mean_gain.exp();
     let plot = Plot {

@@ -28,13 +28,13 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     // Compare each picture with exact light.
     let standard = lab.shot(&place, &options[0])?;
     let (mut rows, mut shots) = (Vec::new(), Vec::new());
-    for ((name, options), &took) in ways.iter().zip(&seconds) {
+    for ((name, options), &time) in ways.iter().zip(&seconds) {
         let shot = lab.shot(&place, options)?;
         let error = 100.0 * shot.error(&standard);
         rows.push(vec![
             (*name).into(),
-            took.into(),
-            (seconds[0] / took).into(),
+            time.into(),
+            (seconds[0] / time).into(),
             error.into(),
             shot.stats.rays.shadow.into(),
         ]);
@@ -91,9 +91,9 @@ fn all_light(lab: &mut Lab<'_>) -> Result<(Table, Figure), Error> {
 
     // Compare each picture with the truth.
     let (mut rows, mut shots) = (Vec::new(), Vec::new());
-    for ((name, options), &took) in ways.iter().zip(&seconds) {
+    for ((name, options), &time) in ways.iter().zip(&seconds) {
         let shot = lab.shot(&place, options)?;
-        rows.push(vec![(*name).into(), took.into(), (100.0 * shot.error(&path)).into()]);
+        rows.push(vec![(*name).into(), time.into(), (100.0 * shot.error(&path)).into()]);
         shots.push(shot);
     }
 
