@@ -1,10 +1,8 @@
 //! Emissive surfaces as light: closed forms for a rectangle and a sphere, sides, textures, and light that is counted once.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{

@@ -1,10 +1,8 @@
 //! Contents of a mesh: what they say, and that a mesh which takes them in renders bit for bit as one that evaluated all by itself.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::{
     Camera, Cursor, DirectValues, Error, Frame, Image, LightMesh, Material, MeshStats, Method, RenderOptions, Scene,

@@ -1,10 +1,8 @@
 //! Light from every direction against closed forms.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::{Quat, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{

@@ -1,8 +1,6 @@
 //! Meshes that several processes fill together.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 
 use glam::Vec3;
 use lightmesh::filling::{self, BounceValues, BrickMask, GatherBatch, PointRequests};

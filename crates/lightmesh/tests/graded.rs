@@ -1,8 +1,6 @@
 //! Meshes whose density falls with the distance from the eye.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::{Aov, Camera, Error, Frame, Interpolation, LightMesh, Method, RenderOptions, Scene, Spacing, render};
 
@@ -81,7 +79,7 @@ fn it_goes_with_refinement() {
     let options = RenderOptions { refine: Some(1), ..with(Method::Mesh, Some(2.0)) };
     let both = shoot(&scene, &room_camera(), &options);
     let near = shoot(&scene, &room_camera(), &RenderOptions { refine: None, ..options.clone() });
-    let truth = shoot(&scene, &room_camera(), &crate::options(Method::Standard));
+    let truth = shoot(&scene, &room_camera(), &crate::common::options(Method::Standard));
     assert!(both.stats.direct.points_refined > near.stats.direct.points_refined);
     let [both, near] = [both, near].map(|frame| error(&frame, &truth, |_| true));
     assert!(both < near, "{both} {near}");

@@ -1,8 +1,6 @@
 //! Indirect light: closed forms, an independent radiosity solution, energy, and frames that share a mesh.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{Camera, Frame, LightMesh, Material, Method, RenderOptions, Scene, SceneData, Spacing, render};

@@ -1,11 +1,9 @@
 //! Meters: closed forms, pictures of the same places, paths, and bits that depend on nothing but the place.
 
-mod common;
-
 use std::f32::consts::PI;
 use std::sync::Mutex;
 
-use common::*;
+use crate::common::*;
 use glam::{Vec3, Vec3Swizzles};
 use lightmesh::geometry::{Aabb, Sphere};
 use lightmesh::{

@@ -1,8 +1,6 @@
 //! Textures from afar: closed forms for what a pixel sees of a pattern, with every method.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Mat2, Vec2, Vec3};
 use lightmesh::{
     AlphaMode, Camera, Filter, ImageData, Material, Method, Projection, RenderOptions, Scene, SceneData, Texels,

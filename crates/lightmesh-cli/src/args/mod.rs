@@ -1,11 +1,13 @@
 //! The arguments of the command line.
 
 mod aov;
+mod completions;
 mod emitters;
 mod environment;
 mod exposure;
 mod falloff;
 mod interpolation;
+mod man;
 mod memory;
 mod method;
 mod render;
@@ -19,19 +21,19 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(crate) use self::{
+    completions::CompletionsArgs, environment::EnvironmentArg, interpolation::spell as spell_interpolation,
+    man::ManArgs, render::RenderArgs, reproduce::ReproduceArgs, weight::name as weight_name,
+};
 pub use self::{
     emitters::EmitterArgs,
     exposure::{Exposure, parse as parse_exposure},
     method::name as method_name,
 };
-pub(crate) use self::{
-    environment::EnvironmentArg, interpolation::spell as spell_interpolation, render::RenderArgs,
-    reproduce::ReproduceArgs, weight::name as weight_name,
-};
 
 /// Renders scenes lit by many lights, with light meshes.
 #[derive(Debug, Parser)]
-#[command(name = "lightmesh", version, about, after_help = EXIT_CODES, disable_help_subcommand = true)]
+#[command(name = "lightmesh", version, about, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -50,6 +52,10 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Run the experiments of the paper into one page
     Reproduce(ReproduceArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write one per command
+    Man(ManArgs),
 }
 
 /// Arguments of `info`.

@@ -3,6 +3,7 @@
 mod aov;
 mod compare;
 mod environment;
+mod help;
 #[cfg(unix)]
 mod interrupt;
 mod mesh_file;
