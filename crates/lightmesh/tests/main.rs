@@ -9,6 +9,7 @@ mod direct_light;
 mod environment;
 mod filling;
 mod flip;
+mod floors;
 mod graded;
 mod indirect_light;
 mod invariants;
