@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::visibility_runs::MOST_LEAVES;
+use super::encoding::MOST_LEAVES;
 use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, RenderOptions, Scene};
 

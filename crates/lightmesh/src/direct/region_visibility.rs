@@ -5,10 +5,9 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::encoding::{LightBits, LightRuns};
 use super::region_cuts::{Region, RegionCuts};
-use super::visibility_bits::LightBits;
 use super::visibility_estimate::VisibilityEstimate;
-use super::visibility_runs::LightRuns;
 use crate::Falloff;
 use crate::light::{LightSamples, LightTree, Refinement};
 
@@ -98,7 +97,7 @@ impl<'a> RegionVisibility<'a> {
             least: Vec::new(),
             radii: Vec::new(),
             leaves: Vec::new(),
-            bits: LightBits::new(0),
+            bits: LightBits::default(),
             rows: HashMap::new(),
         })
     }
@@ -143,7 +142,7 @@ impl<'a> RegionVisibility<'a> {
         let row = *self.rows.entry(point).or_insert(next);
         if row == next {
             let lanes = self.leaves.iter().map(|(lane, _)| *lane as usize);
-            let states = runs.ask(point, self.leaves.iter().map(|(_, leaves)| leaves.clone()));
+            let states = runs.states(point, self.leaves.iter().map(|(_, leaves)| leaves.clone()));
             self.bits.push_states(lanes.zip(states));
         }
         row
@@ -155,8 +154,8 @@ impl<'a> RegionVisibility<'a> {
     }
 
     /// The region's lights, with what is known of them.
-    pub(super) fn visibility<'b>(&'b self, agreement: &'b VisibilityEstimate) -> LightCutVisibility<'b> {
+    pub(super) fn visibility<'b>(&'b self, estimate: &'b VisibilityEstimate) -> LightCutVisibility<'b> {
         let Self { tree, lights, nodes, least, radii, .. } = self;
-        LightCutVisibility { lights, clusters: Some(Clusters { tree, nodes, least, radii }), estimate: agreement }
+        LightCutVisibility { lights, clusters: Some(Clusters { tree, nodes, least, radii }), estimate }
     }
 }

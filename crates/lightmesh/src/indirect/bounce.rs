@@ -137,7 +137,7 @@ impl IndirectField {
             // The paper's mesh knows no geometry: every point counts.
             CubeFaces::One => (wanted.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
         };
-        probed.into_iter().for_each(|point| self.points.insert(point));
+        probed.into_iter().for_each(|(address, clearance)| self.points.insert(address, clearance));
         Ok(rays)
     }
 

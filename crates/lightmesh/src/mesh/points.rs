@@ -54,9 +54,6 @@ pub(crate) struct Points {
     invalid: Vec<Address>,
 }
 
-/// A point that was wanted: where, and what was found there; `None`: it is inside a solid.
-pub(super) type Probed = (Address, Option<Clearance>);
-
 impl Points {
     /// `lattices` by level.
     pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator) -> Self {
@@ -229,8 +226,8 @@ impl Points {
         self.levels.iter().map(|level| level.bricks.bytes()).sum()
     }
 
-    /// Stores a point; a valid one gets the next index.
-    pub(crate) fn insert(&mut self, (address, clearance): Probed) {
+    /// Stores a point; one with a clearance is valid and gets the next index, one without is inside a solid.
+    pub(crate) fn insert(&mut self, address: Address, clearance: Option<Clearance>) {
         let slot = match clearance {
             Some(clearance) => {
                 self.addresses.push(address);

@@ -1,8 +1,8 @@
-//! What a reader is asked for, and what becomes of it: sight, outcomes, corners that are seen and corners that are known.
+//! How a reader finds the corners that are visible, and what becomes of a read.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
-use super::corners::{ByCorner, set_bits};
+use super::corners::ByCorner;
 
 /// How a vertex finds out which corners it sees, where its cell is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,39 +43,5 @@ pub(crate) struct VisibleCorners {
 impl VisibleCorners {
     pub(super) fn nothing(refined: f32) -> Self {
         Self { mask: 0, weights: [Vec4::ZERO; 2], refined }
-    }
-}
-
-/// Which corners a field's reader knows the light of: for one normal, as long as the cell stays.
-#[derive(Debug, Default)]
-pub(crate) struct CornerValues {
-    n: Vec3,
-    visits: u64,
-    corners: u8,
-}
-
-impl CornerValues {
-    /// Whether the last vertex had this normal in the same visit of a cell, so that it is worth to keep what corners know.
-    #[inline(always)]
-    pub(crate) fn continues(&mut self, n: Vec3, visits: u64) -> bool {
-        let goes_on = self.n == n && self.visits == visits;
-        if !goes_on {
-            *self = Self { n, visits, corners: 0 };
-        }
-        goes_on
-    }
-
-    /// Whether no corner is known yet.
-    #[inline(always)]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.corners == 0
-    }
-
-    /// The corners of `mask` that are not known yet; from now on they are.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, mask: u8) -> impl Iterator<Item = usize> + use<> {
-        let missing = mask & !self.corners;
-        self.corners |= mask;
-        set_bits(missing)
     }
 }

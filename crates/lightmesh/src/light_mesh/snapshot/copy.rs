@@ -3,10 +3,9 @@
 use glam::Vec4;
 
 use super::super::LightMesh;
-use super::check::rgb;
-use super::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, PointCursor, PointSnapshot, Snapshot};
+use super::{Cursor, DirectSnapshot, IndirectSnapshot, PointCursor, PointSnapshot, Snapshot};
 use crate::Error;
-use crate::direct::{DirectEncoding, DirectField};
+use crate::direct::DirectField;
 use crate::indirect::IndirectField;
 use crate::mesh::PointRequests;
 
@@ -56,29 +55,7 @@ impl DirectField {
 
     /// What the points with these indices know.
     pub(crate) fn contents(&self, points: PointSnapshot, indices: impl Iterator<Item = u32>) -> DirectSnapshot {
-        let stride = self.encoding.stride();
-        let numbers = |indices: &mut dyn Iterator<Item = u32>| {
-            indices.flat_map(|i| rgb(&self.values[i as usize * stride..][..stride])).collect()
-        };
-        let mut indices = indices;
-        let values = match (self.encoding, &self.bits, &self.runs) {
-            (DirectEncoding::SixAxis { .. }, ..) => DirectValues::SixAxis(numbers(&mut indices)),
-            (DirectEncoding::Scalar { .. }, ..) => DirectValues::Scalar(numbers(&mut indices)),
-            (DirectEncoding::PerLight { .. }, Some(bits), _) => {
-                let bits_of = |i| bits.of(i).iter().copied();
-                DirectValues::Lights { words: bits.words() as u32, bits: indices.flat_map(bits_of).collect() }
-            }
-            (DirectEncoding::PerLight { .. }, None, runs) => {
-                let (mut ends, mut all) = (Vec::with_capacity(points.addresses.len()), Vec::new());
-                if let Some(runs) = runs {
-                    for i in indices {
-                        all.extend_from_slice(runs.of(i));
-                        ends.push(all.len() as u64);
-                    }
-                }
-                DirectValues::Runs { ends, runs: all }
-            }
-        };
+        let values = self.encoding.snapshot(indices);
         DirectSnapshot { points, values }
     }
 }

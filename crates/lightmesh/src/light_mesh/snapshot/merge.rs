@@ -1,10 +1,10 @@
 //! Taking in what another mesh knows.
 
 use super::super::LightMesh;
-use super::check::{check_finite, check_length, refuse, values};
 use super::{DirectSnapshot, DirectValues, IndirectSnapshot, Snapshot};
 use crate::Error;
-use crate::direct::{DirectEncoding, DirectField, LightRuns};
+use crate::direct::DirectField;
+use crate::direct::encoding::{check_finite, check_length, refuse, values};
 use crate::indirect::IndirectField;
 
 impl LightMesh {
@@ -38,108 +38,20 @@ impl DirectField {
     fn check(&self, contents: &DirectSnapshot) -> Result<(), Error> {
         let DirectSnapshot { points, values } = contents;
         self.points.check(points, "direct")?;
-        let n = points.addresses.len();
-        match (self.encoding, &self.bits, &self.runs, values) {
-            (DirectEncoding::SixAxis { .. }, _, _, DirectValues::SixAxis(numbers)) => {
-                check_length("direct values", numbers.len(), &[n, 6, 2, 3])?;
-                check_finite("direct values", numbers)?;
-            }
-            (DirectEncoding::Scalar { .. }, _, _, DirectValues::Scalar(numbers)) => {
-                check_length("direct values", numbers.len(), &[n, 2, 3])?;
-                check_finite("direct values", numbers)?;
-            }
-            (_, Some(own), _, DirectValues::Lights { words, bits }) => {
-                if *words as usize != own.words() {
-                    let what = format!("have {words} words of bits for the lights; this scene has {}", own.words());
-                    return refuse("direct values", what);
-                }
-                check_length("direct values", bits.len(), &[n, 2, own.words()])?;
-                self.check_bits(bits, own.words())?;
-            }
-            (_, _, Some(own), DirectValues::Runs { ends, runs }) => return self.check_runs(contents, own, ends, runs),
-            (_, bits, runs, _) => {
-                let own = match self.encoding {
-                    DirectEncoding::SixAxis { .. } => "six axes",
-                    DirectEncoding::Scalar { .. } => "the paper's scalar",
-                    DirectEncoding::PerLight { .. } if bits.is_some() => "single lights",
-                    DirectEncoding::PerLight { .. } if runs.is_some() => "clusters of lights",
-                    DirectEncoding::PerLight { .. } => "lights",
-                };
-                return refuse("direct values", format!("are of another method; this mesh keeps {own}"));
-            }
-        }
+        self.encoding.check(values, points.addresses.len())?;
         let (new, bricks) = self.points.news(points);
-        self.points.check_memory(new, bricks, self.costs(), self.max_memory())
-    }
-
-    /// Refuses rows that say of a light that all of it arrives and nothing does, or that a lane shines which pads.
-    fn check_bits(&self, bits: &[u64], words: usize) -> Result<(), Error> {
-        // Without lights there are no words.
-        for (point, rows) in bits.chunks_exact(2 * words.max(1)).enumerate() {
-            let (seen, open) = rows.split_at(words);
-            let unsound = |i: usize| seen[i] & !open[i] != 0 || open[i] & self.padding.get(i).unwrap_or(&0) != 0;
-            if (0..words).any(unsound) {
-                return refuse(format!("direct values, point {point}"), "its bits contradict each other");
-            }
-        }
-        Ok(())
-    }
-
-    fn check_runs(&self, contents: &DirectSnapshot, own: &LightRuns, ends: &[u64], runs: &[u32]) -> Result<(), Error> {
-        check_length("direct values' ends", ends.len(), &[contents.points.addresses.len()])?;
-        let all = split(ends, runs);
-        let Some(all) = all else {
-            return refuse("direct values' ends", format!("do not ascend to {}, the number of runs", runs.len()));
-        };
-        let leaves = self.lights().leaf_count();
-        for (point, runs) in all.iter().enumerate() {
-            if !LightRuns::are_sound(runs, leaves) {
-                return refuse(format!("direct values, point {point}"), "its runs are not ascending states of lights");
-            }
-        }
-        let (new, bricks) = self.points.news(&contents.points);
         self.points.check_memory(new, bricks, self.costs(), self.max_memory())?;
-        // A growing vector may hold twice its contents for a moment.
-        let needed_bytes = self.points.stats(2 * own.bytes_with(all.into_iter()) + self.lights().bytes()).bytes;
-        let limit_bytes = self.max_memory();
-        if needed_bytes > limit_bytes {
-            let advice = "choose a larger --spacing or --light-error";
-            return Err(Error::OutOfMemory { what: "the light mesh", needed_bytes, limit_bytes, advice });
+        match values {
+            DirectValues::Runs { ends, runs } => self.check_memory_of_runs(ends.len(), runs.len()),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
-    /// Adds what is not known; it has been checked.
+    /// Adds the points that are new; the snapshot has been checked.
     fn absorb(&mut self, contents: &DirectSnapshot) {
-        let Self { points, values: own, bits, runs, encoding: field, .. } = self;
-        let stride = field.stride();
-        points.merge(&contents.points, |i| match &contents.values {
-            DirectValues::SixAxis(numbers) | DirectValues::Scalar(numbers) => {
-                own.extend(values(&numbers[i * stride * 3..][..stride * 3]));
-            }
-            DirectValues::Lights { words, bits: rows } => {
-                let words = 2 * *words as usize;
-                bits.iter_mut().for_each(|bits| bits.push(&rows[i * words..][..words]));
-            }
-            DirectValues::Runs { ends, runs: all } => {
-                let begin = if i > 0 { ends[i - 1] as usize } else { 0 };
-                runs.iter_mut().for_each(|runs| runs.push(&all[begin..ends[i] as usize]));
-            }
-        });
+        let Self { points, encoding, .. } = self;
+        points.merge(&contents.points, |i| encoding.push_snapshot(&contents.values, i));
     }
-}
-
-/// The runs of each point; `None` if the ends do not ascend to their number.
-fn split<'a>(ends: &[u64], runs: &'a [u32]) -> Option<Vec<&'a [u32]>> {
-    let mut begin = 0;
-    let all = ends.iter().map(|&end| {
-        let end = usize::try_from(end).ok()?;
-        let point = runs.get(begin..end)?;
-        begin = end;
-        Some(point)
-    });
-    let all: Option<Vec<_>> = all.collect();
-    all.filter(|_| begin == runs.len())
 }
 
 impl IndirectField {

@@ -4,11 +4,11 @@
 //! is all that another mesh of the same scene and settings lacks of what this one learned meanwhile, and it does not matter in which
 //! order copies are taken in.
 
-mod check;
 mod copy;
 mod merge;
 mod points;
 
+pub use crate::direct::DirectValues;
 use crate::mesh::LatticeShape;
 
 /// Points of a mesh: those that give light first, then those that were found inside solids or on surfaces and give none.
@@ -23,32 +23,6 @@ pub struct PointSnapshot {
     pub clearances: Vec<[u8; 6]>,
     /// Level and lattice coordinates of each point that gives none.
     pub invalid: Vec<[u32; 4]>,
-}
-
-/// What is known of direct light. The variant follows from the method.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DirectValues {
-    /// [`Method::Mesh`](crate::options::Method::Mesh): shape (N, 6, 2, 3), lux. By point, for the planes that face +x, −x, +y, −y, +z, −z, the
-    /// irradiance that arrives and the one that would if nothing were in the way, RGB. (With another falloff than r², in its units.)
-    SixAxis(Vec<f32>),
-    /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). DirectLight of formula (1), RGB, and what it is divided by.
-    Scalar(Vec<f32>),
-    /// What is known of each single light: a bit per light in two rows, lowest first. Both set: all of its light arrives; none: nothing
-    /// does; only the second: some does, or the point cannot tell.
-    Lights {
-        /// W, words of a row.
-        words: u32,
-        /// Shape (N, 2, W).
-        bits: Vec<u64>,
-    },
-    /// The same where lights are clusters: by point some runs, `leaf · 4 + state` of the light from which on the state holds, in the
-    /// order of the light tree's leaves, the first for leaf 0; state 0 unknown, 1 nothing arrives, 2 all of it does.
-    Runs {
-        /// By point, where its runs end.
-        ends: Vec<u64>,
-        /// All runs, point by point.
-        runs: Vec<u32>,
-    },
 }
 
 /// The direct mesh's contents.

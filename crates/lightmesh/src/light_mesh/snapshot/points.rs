@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use glam::UVec3;
 
-use super::check::{check_length, refuse};
 use super::{PointCursor, PointSnapshot};
 use crate::Error;
+use crate::direct::encoding::{check_length, refuse};
 use crate::mesh::{Address, BrickMask, Clearance, LatticeShape, Points, Slot, lattice, requests};
 
 impl Points {
@@ -110,14 +110,14 @@ impl Points {
         for (i, (&address, &sides)) in contents.addresses.iter().zip(&contents.clearances).enumerate() {
             let address = from_plain(address);
             if is_new(self, address) {
-                self.insert((address, Some(Clearance::from_sides(sides))));
+                self.insert(address, Some(Clearance::from_sides(sides)));
                 take(i);
             }
         }
         for &address in &contents.invalid {
             let address = from_plain(address);
             if is_new(self, address) {
-                self.insert((address, None));
+                self.insert(address, None);
             }
         }
     }

@@ -14,7 +14,7 @@ impl Reader<'_> {
     /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
     #[cold]
     pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
-        match self.sight {
+        match self.visibility {
             CornerVisibility::All => {
                 let seen = self.trace_components(vertex, stencil, usable, parted);
                 if seen != 0 { seen } else { self.trace_each(vertex, usable) }
@@ -30,7 +30,7 @@ impl Reader<'_> {
         let mut seen = self.trace_each(vertex, parted);
         let mut rest = usable;
         while rest != 0 {
-            let piece = component(&self.free_edges, rest);
+            let piece = component(&self.cell.free_edges, rest);
             rest &= !piece;
             let together = piece & !parted;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
@@ -64,7 +64,7 @@ impl Reader<'_> {
     /// Whether nothing stands between the vertex and corner k.
     fn sees(&mut self, vertex: &ShadingPoint, k: usize) -> bool {
         self.visibility_rays += 1;
-        let point = self.level.lattice.point(corner(self.cell, k));
+        let point = self.level.lattice.point(corner(self.cell.coordinate, k));
         sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
     }
 }
