@@ -47,7 +47,7 @@ pub fn render(
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
         Method::Path => render_path(scene, &mut film, options, &mut watch)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            mesh.check_serves(options)?;
+            mesh.check_compatible(options)?;
             render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
         }
     };

@@ -10,7 +10,7 @@ use crate::world::Scene;
 
 /// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct ExactShader {
     directions: Directions,
     lanes: Vec<u32>,
     terms: Vec<f32>,
@@ -19,17 +19,17 @@ pub(crate) struct Scratch {
     shadow: VisibilityScratch,
 }
 
-impl Scratch {
+impl ExactShader {
     /// Σ_i V_i φ2 E_i / φ3 over lights that look from the vertex: formula (2) with exact visibility, lux per channel; also how many
     /// shadow rays it took.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
-        seen: &LightCut<'_>,
+        cut: &LightCut<'_>,
         falloff: Falloff,
         vertex: &ShadingPoint,
     ) -> (Vec3, u64) {
-        let lights = seen.lights();
+        let lights = cut.lights();
         lights.directions(scene.simd_level(), falloff, vertex.position, &mut self.directions);
 
         // Only lights in front of the surface, in their cone and range, are worth a ray.
@@ -43,7 +43,7 @@ impl Scratch {
             if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 self.lanes.push(lane as u32);
                 self.terms.push(term);
-                self.rays.push(seen.shadow_ray(lane, vertex.origin_towards(direction)));
+                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction)));
             }
         }
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);

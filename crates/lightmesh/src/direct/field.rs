@@ -32,8 +32,10 @@ impl DirectField {
     }
 
     /// Returns whether frames with these options can use this field.
-    pub(crate) fn serves(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
-        self.encoding.is_compatible(options) && self.lights.serves(options) && self.points.neighbourhood == interpolator
+    pub(crate) fn is_compatible(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
+        self.encoding.is_compatible(options)
+            && self.lights.is_compatible(options)
+            && self.points.interpolator == interpolator
     }
 
     pub(crate) fn marks(&self) -> Marks {

@@ -25,7 +25,7 @@ impl DirectField {
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
-        let requested = self.points.take(marks, self.costs(), self.max_memory())?;
+        let requested = self.points.take_marked(marks, self.costs(), self.max_memory())?;
         let mut rays = RayCounts::default();
         if self.encoding.needs_probes() {
             rays.secondary = PROBE_RAYS * requested.len() as u64;

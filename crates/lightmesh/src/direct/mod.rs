@@ -15,7 +15,7 @@ mod shading;
 mod visibility_estimate;
 
 pub use encoding::DirectValues;
-pub(crate) use exact::Scratch;
+pub(crate) use exact::ExactShader;
 pub(crate) use field::DirectField;
 pub(crate) use per_light::{SamplingPolicy, TrustAgreement};
 pub(crate) use plan::{Indirect, LightingPlan, Shading};

@@ -125,15 +125,15 @@ impl PerLightShader {
     /// Direct irradiance, lux per channel, as far as it is known; rays to the lights that are disputed or give much wait for
     /// [`PerLightShader::shoot`].
     #[inline(always)]
-    pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, care: SamplingPolicy) -> Vec3 {
-        let LightCutVisibility { lights, estimate: agreement, .. } = lit.lights;
+    pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, policy: SamplingPolicy) -> Vec3 {
+        let LightCutVisibility { lights, estimate: agreement, .. } = shaded.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, total) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
+        let (mut sum, total) = terms.evaluate(simd, lights, &shaded.receiver(), &agreement.certain);
 
-        let (quantum, much) = (care.step * total, care.always_above[usize::from(agreement.near_occluder)] * total);
+        let (quantum, much) = (policy.step * total, policy.always_above[usize::from(agreement.near_occluder)] * total);
         // How much doubt, and how much of what is agreed about, goes by until the next ray.
         let mut next_doubt = None;
-        let mut next = if care.agreement == TrustAgreement::Yes { f32::INFINITY } else { much * lit.random(1) };
+        let mut next = if policy.agreement == TrustAgreement::Yes { f32::INFINITY } else { much * shaded.random(1) };
         let mut dispute = 0;
         for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.partial()).enumerate() {
             let first = at * LANES;
@@ -160,7 +160,7 @@ impl PerLightShader {
                 };
                 let mut scale = 1.0;
                 if doubt < quantum {
-                    let next = next_doubt.get_or_insert_with(|| quantum * lit.random(0));
+                    let next = next_doubt.get_or_insert_with(|| quantum * shaded.random(0));
                     *next -= doubt;
                     if *next >= 0.0 {
                         continue;
@@ -168,7 +168,8 @@ impl PerLightShader {
                     *next += quantum;
                     scale = quantum / doubt;
                 }
-                sum -= self.queue_shadow_ray(lit, block, (first, i), (c * scale, scale), (v, 0, Some(doubt / quantum)));
+                sum -=
+                    self.queue_shadow_ray(shaded, block, (first, i), (c * scale, scale), (v, 0, Some(doubt / quantum)));
             }
 
             // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each
@@ -178,7 +179,8 @@ impl PerLightShader {
                 next -= agreed;
                 continue;
             }
-            let looked_at = if care.agreement == TrustAgreement::Yes { giving } else { !singles & ((1 << LANES) - 1) };
+            let looked_at =
+                if policy.agreement == TrustAgreement::Yes { giving } else { !singles & ((1 << LANES) - 1) };
             for i in ones(looked_at) {
                 let mass = block.contributions[i];
                 if mass <= 0.0 {
@@ -195,7 +197,7 @@ impl PerLightShader {
                 }
                 let c = lights.intensity(first + i) * block.factors[i];
                 sum -= self.queue_shadow_ray(
-                    lit,
+                    shaded,
                     block,
                     (first, i),
                     (c * scale, scale),

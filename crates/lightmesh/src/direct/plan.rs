@@ -24,7 +24,7 @@ pub(crate) enum Shading {
     /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
     MeanVisibility,
     /// Light by light, with shadow rays as far as some care wants them.
-    PerLight { care: SamplingPolicy, seed: u32 },
+    PerLight { policy: SamplingPolicy, seed: u32 },
     /// The mesh as control variate of so many shadow rays.
     Unbiased { rays: u32, seed: u32 },
 }
@@ -45,8 +45,8 @@ pub(crate) enum Indirect {
 
 impl Shading {
     /// Light by light, seeded as the options say.
-    pub(crate) fn by_light(care: SamplingPolicy, options: &RenderOptions) -> Self {
-        Self::PerLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
+    pub(crate) fn per_light(policy: SamplingPolicy, options: &RenderOptions) -> Self {
+        Self::PerLight { policy, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
     }
 }
 
@@ -59,7 +59,7 @@ impl LightingPlan {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
             Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
             Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
-            Method::Hybrid => (Shading::by_light(SamplingPolicy::HYBRID, options), unbiased(1)),
+            Method::Hybrid => (Shading::per_light(SamplingPolicy::HYBRID, options), unbiased(1)),
             Method::Unbiased => (unbiased(options.rays), unbiased(1)),
         };
         let indirect = match options.method {
@@ -73,15 +73,15 @@ impl LightingPlan {
     pub(crate) fn reseeded(self) -> Self {
         let seen = match self.primary {
             Shading::Exact | Shading::MeanVisibility => self.primary,
-            Shading::PerLight { care, seed } => Shading::PerLight { care, seed: hash(!seed) },
+            Shading::PerLight { policy: care, seed } => Shading::PerLight { policy: care, seed: hash(!seed) },
             Shading::Unbiased { rays, seed } => Shading::Unbiased { rays, seed: hash(!seed) },
         };
         Self { primary: seen, ..self }
     }
 
     /// How vertices that look at the mesh like this take their direct light.
-    pub(super) fn shading(&self, sight: CornerVisibility) -> Shading {
-        match sight {
+    pub(super) fn shading(&self, visibility: CornerVisibility) -> Shading {
+        match visibility {
             CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,
             CornerVisibility::Stochastic => self.gather,
         }

@@ -58,7 +58,7 @@ impl DirectReader<'_> {
     /// Returns Ĩ(y), formula (3g); points that are still empty are marked.
     #[inline(always)]
     pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
-        if let Interpolator::TrilinearWith(rule) = self.field.points.neighbourhood {
+        if let Interpolator::TrilinearWith(rule) = self.field.points.interpolator {
             return self.read_with(rule, vertex, marks);
         }
         let encoding = &self.field.encoding;

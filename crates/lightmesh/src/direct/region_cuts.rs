@@ -81,7 +81,7 @@ impl RegionCuts {
     }
 
     /// Whether values that were computed with these lights serve these options.
-    pub(crate) fn serves(&self, options: &RenderOptions) -> bool {
+    pub(crate) fn is_compatible(&self, options: &RenderOptions) -> bool {
         self.error == options.light_error
     }
 

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::exact::Scratch;
+use super::exact::ExactShader;
 use super::field::DirectField;
 use super::per_light::{PerLightShader, Shaded};
 use super::plan::{LightingPlan, Shading};
@@ -30,7 +30,7 @@ pub(crate) struct ShadingBatch {
     pub direct: Vec<Vec3>,
     /// Vertices that the mesh has not answered yet.
     waiting: Vec<u32>,
-    scratch: Scratch,
+    scratch: ExactShader,
     per_light: PerLightShader,
     shadow_rays: u64,
     visibility_rays: u64,
@@ -163,19 +163,19 @@ impl ShadingBatch {
                 origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {
-                (LightsReading::Known, Shading::PerLight { care, seed }) => {
+                (LightsReading::Known, Shading::PerLight { policy: care, seed }) => {
                     by_light.sample_by_policy(simd, &lit(seed), care)
                 }
                 // More rays than lights: each gets its own.
                 (LightsReading::Known, Shading::Unbiased { rays, seed }) if (rays as usize) < scene.lights().len() => {
-                    by_light.unbiased(simd, &lit(seed), rays)
+                    by_light.sample_unbiased(simd, &lit(seed), rays)
                 }
                 // Clusters, each as one light, would not be the truth.
                 (LightsReading::Unknown, Shading::Unbiased { rays, seed })
                     if (rays as usize) < scene.lights().len() =>
                 {
                     *fallbacks += 1;
-                    by_light.unbiased(simd, &lit(seed), rays.max(FALLBACK_RAYS))
+                    by_light.sample_unbiased(simd, &lit(seed), rays.max(FALLBACK_RAYS))
                 }
                 (reading, _) => {
                     *fallbacks += u64::from(reading != LightsReading::Known);
@@ -228,15 +228,15 @@ impl DirectLighting<'_, '_> {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn light(
+    pub(crate) fn shade(
         &mut self,
         sight: CornerVisibility,
         lists: &mut [&mut ShadingBatch],
-    ) -> Result<LightSeconds, Error> {
+    ) -> Result<ShadingSeconds, Error> {
         let (scene, falloff) = (self.scene, self.options.falloff);
         let shading = self.plan.shading(sight);
         let started = Instant::now();
-        let mut seconds = LightSeconds::default();
+        let mut seconds = ShadingSeconds::default();
         match shading {
             Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
             Shading::PerLight { .. } | Shading::Unbiased { .. } => {
@@ -289,7 +289,7 @@ impl DirectLighting<'_, '_> {
 
 /// Where the time of [`DirectLighting::light`] went.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LightSeconds {
+pub(crate) struct ShadingSeconds {
     pub demand: f64,
     pub fill: f64,
     pub shade: f64,

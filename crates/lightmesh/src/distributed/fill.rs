@@ -39,7 +39,7 @@ pub fn demand(
         return Ok(PointRequests::default());
     }
     prepared.check(mesh)?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     let mut film = film_of(scene, camera, options, samples)?;
     check_waves(&film, &waves)?;
     film.begin_portion(waves);
@@ -60,7 +60,7 @@ pub fn fill_direct(
     progress: &dyn Progress,
 ) -> Result<RayCounts, Error> {
     options.validate()?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     if !options.method.has_mesh() {
         return Ok(RayCounts::default());
     }

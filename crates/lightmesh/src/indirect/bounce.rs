@@ -80,7 +80,7 @@ impl IndirectField {
             Ok(gathered) => self.bounce(direct.scene, gathered),
             Err(error) => {
                 // Points whose levels nobody knows must not stay.
-                self.points.forget(first);
+                self.points.truncate(first);
                 self.gather_hit_irradiance = hit_irradiance;
                 return Err(error);
             }
@@ -123,8 +123,8 @@ impl IndirectField {
     /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on are being filled.
     /// How many rays it took.
     pub(crate) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
-        let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        let wanted = self.points.take(marks, costs, self.max_memory)?;
+        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
+        let wanted = self.points.take_marked(marks, costs, self.max_memory)?;
         let points = &self.points;
         let (probed, rays): (Vec<_>, _) = match self.faces {
             CubeFaces::Six => {
@@ -185,7 +185,7 @@ impl IndirectField {
         // Light at the hits: the direct mesh, one wave deeper.
         if self.links() {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
         for gather in batch {

@@ -71,7 +71,7 @@ impl IndirectField {
                 }
             });
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             let arriving = self.correct(direct, marks, batch, paths)?;
             let mut arriving = arriving.as_slice();

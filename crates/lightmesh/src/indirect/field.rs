@@ -66,9 +66,9 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator, options: &RenderOptions) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator, options: &RenderOptions) -> Self {
         Self {
-            points: Points::new(lattices, neighbourhood),
+            points: Points::new(lattices, interpolator),
             faces: CubeFaces::of(options),
             gather_rays: options.gather_rays,
             depth: options.depth,
@@ -79,9 +79,9 @@ impl IndirectField {
         }
     }
 
-    pub(crate) fn serves(&self, options: &RenderOptions, neighbourhood: Interpolator) -> bool {
+    pub(crate) fn is_compatible(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
         self.faces == CubeFaces::of(options)
-            && self.points.neighbourhood == neighbourhood
+            && self.points.interpolator == interpolator
             && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
             && (options.bounces as usize) < self.bounce_values.len()
     }

@@ -42,7 +42,7 @@ impl IndirectField {
                 }
             });
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             irradiance.extend(self.sum(direct, marks, batch, bounces)?);
             for gather in batch {

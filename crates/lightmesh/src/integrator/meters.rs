@@ -36,7 +36,7 @@ pub(crate) fn measure_waves(
     for (wave, first) in meters.chunks(RAYS).zip((0..).step_by(RAYS)) {
         let is_inside = |&i: &usize| match &lighting {
             Lighting::Exact => true,
-            Lighting::Mesh(mesh) => mesh.reaches(scene, meters[i].position),
+            Lighting::Mesh(mesh) => mesh.covers(scene, meters[i].position),
         };
         let (inside, beyond): (Vec<usize>, Vec<usize>) = (first..first + wave.len()).partition(is_inside);
         for (indices, plan) in [(inside, plan), (beyond, outside)] {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
-use crate::direct::Scratch;
+use crate::direct::ExactShader;
 use crate::film::{Film, RenderClock, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{MAX_TRANSPARENT_HITS, ShadedHit, ShadingPoint, evaluate_footprint};
@@ -148,7 +148,7 @@ impl Radiance {
 pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
-    scratch: Scratch,
+    scratch: ExactShader,
     lamps: EmitterSampler,
     pub(super) rays: RayCounts,
     first_hits: FirstHits,
@@ -194,7 +194,7 @@ impl<'a> PathTracer<'a> {
         Self {
             scene,
             options,
-            scratch: Scratch::default(),
+            scratch: ExactShader::default(),
             lamps: EmitterSampler::default(),
             rays: RayCounts::default(),
             first_hits: FirstHits::default(),

@@ -219,7 +219,7 @@ pub(crate) fn light(
             let (field, direct_marks) = (&mut mesh.direct, &mut marks.direct);
             let mut direct = DirectLighting { scene, options, plan, field, marks: direct_marks, reporter, stats };
             let mut lists: Vec<&mut ShadingBatch> = blocks.iter_mut().map(|block| &mut block.lit).collect();
-            let seconds = direct.light(CornerVisibility::All, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::All, &mut lists)?;
             let sum = &mut direct.stats.seconds;
             sum.demand += seconds.demand;
             sum.fill_direct += seconds.fill;

@@ -49,7 +49,7 @@ impl LightMesh {
     /// fit into `options.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
-        let neighbourhood = Interpolator::of(options);
+        let interpolator = Interpolator::of(options);
         let indirect_auto = auto_indirect(options);
         let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
@@ -62,7 +62,7 @@ impl LightMesh {
             };
             let level = |l: u32, max_memory| {
                 let spacing = spacing / (1 << l) as f32;
-                Lattice::new(option, &bounds, spacing, neighbourhood.reach(), max_memory)
+                Lattice::new(option, &bounds, spacing, interpolator.reach(), max_memory)
             };
             let mut levels =
                 (0..=options.refinements()).map(|l| level(l, options.max_memory)).collect::<Result<Vec<_>, _>>()?;
@@ -83,27 +83,27 @@ impl LightMesh {
             auto_indirect: indirect_auto,
             finer_levels: options.finer_levels(),
             generation: 0,
-            direct: DirectField::new(scene, direct, neighbourhood, options)?,
-            indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
+            direct: DirectField::new(scene, direct, interpolator, options)?,
+            indirect: indirect.map(|lattices| IndirectField::new(lattices, interpolator.without_rules(), options)),
         })
     }
 
     /// Whether frames with these options can use this mesh.
-    pub fn serves(&self, options: &RenderOptions) -> bool {
-        let neighbourhood = Interpolator::of(options);
+    pub fn is_compatible(&self, options: &RenderOptions) -> bool {
+        let interpolator = Interpolator::of(options);
         self.spacings == [options.spacing, options.indirect_spacing]
             && (self.indirect.is_none() || self.auto_indirect == auto_indirect(options))
             && self.finer_levels == options.finer_levels()
-            && self.direct.serves(options, neighbourhood)
+            && self.direct.is_compatible(options, interpolator)
             && self
                 .indirect
                 .as_ref()
-                .map_or(options.bounces == 0, |field| field.serves(options, neighbourhood.of_indirect_light()))
+                .map_or(options.bounces == 0, |field| field.is_compatible(options, interpolator.without_rules()))
     }
 
     /// [`LightMesh::serves`], as an error.
-    pub(crate) fn check_serves(&self, options: &RenderOptions) -> Result<(), Error> {
-        if self.serves(options) {
+    pub(crate) fn check_compatible(&self, options: &RenderOptions) -> Result<(), Error> {
+        if self.is_compatible(options) {
             return Ok(());
         }
         let what =
@@ -112,8 +112,8 @@ impl LightMesh {
     }
 
     /// Whether points lie all around a place: it is in the scene's box, but for rounding.
-    pub(crate) fn reaches(&self, scene: &Scene, place: Vec3) -> bool {
-        prefill::reaches(scene, self.direct.points().spacing(), place)
+    pub(crate) fn covers(&self, scene: &Scene, place: Vec3) -> bool {
+        prefill::covers(scene, self.direct.points().spacing(), place)
     }
 
     /// Notes its state in the numbers of a frame that had these options.

@@ -52,8 +52,8 @@ impl LightMesh {
     ) -> Result<RenderStats, Error> {
         let spacing = self.direct.points().spacing();
         self.prefill(scene, options, progress, |points, marks| {
-            places.par_iter().filter(|&&p| reaches(scene, spacing, p)).for_each(|&p| {
-                mark_block(points, marks, points.neighbourhood.around(&points.level(0).lattice, p));
+            places.par_iter().filter(|&&p| covers(scene, spacing, p)).for_each(|&p| {
+                mark_block(points, marks, points.interpolator.range_around(&points.level(0).lattice, p));
             });
         })
     }
@@ -69,18 +69,19 @@ impl LightMesh {
         if !options.method.has_mesh() {
             return Err(Error::InvalidOption { option: "method", what: "has no mesh to fill".into() });
         }
-        self.check_serves(options)?;
+        self.check_compatible(options)?;
         let started = std::time::Instant::now();
         let mut marks = self.marks();
         let mut stats = RenderStats::default();
 
         // Find out what there is to do, and whether there is room for it.
         mark(self.direct.points(), &marks.direct);
-        let direct = self.direct.points().take(&mut marks.direct, self.direct.costs(), self.direct.max_memory())?;
+        let direct =
+            self.direct.points().take_marked(&mut marks.direct, self.direct.costs(), self.direct.max_memory())?;
         let indirect = match (&self.indirect, &mut marks.indirect) {
             (Some(field), Some(marks)) => {
                 mark(field.points(), marks);
-                field.points().take(marks, field.costs(), field.max_memory)?
+                field.points().take_marked(marks, field.costs(), field.max_memory)?
             }
             _ => Vec::new(),
         };
@@ -121,7 +122,7 @@ impl LightMesh {
 }
 
 /// Whether points lie all around a place, in meshes of this spacing: it is in the scene's box, but for rounding.
-pub(super) fn reaches(scene: &Scene, spacing: f32, place: Vec3) -> bool {
+pub(super) fn covers(scene: &Scene, spacing: f32, place: Vec3) -> bool {
     let (bounds, slack) = (scene.bounds(), 0.01 * spacing);
     place.cmpge(bounds.min - slack).all() && place.cmple(bounds.max + slack).all()
 }

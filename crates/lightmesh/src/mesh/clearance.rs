@@ -22,9 +22,9 @@ impl Clearance {
     pub(crate) const ALL_FREE: Self = Self([255, 255, 255, 255, 255, 255, 0b11_1111, 0]);
 
     /// From the parts of the spacing (in (0, 1)) at which a surface is met, by side; `None`: nothing is.
-    pub(crate) fn new(met: [Option<f32>; 6]) -> Self {
+    pub(crate) fn new(hits: [Option<f32>; 6]) -> Self {
         let mut bytes = [0; 8];
-        for (side, t) in met.into_iter().enumerate() {
+        for (side, t) in hits.into_iter().enumerate() {
             bytes[side] = t.map_or(Self::FREE, |t| ((t * 255.0) as u8).min(254));
             bytes[Self::FREE_SIDES] |= u8::from(t.is_none()) << side;
         }
@@ -54,8 +54,8 @@ pub(super) fn distances(corners: &[Clearance; 8], side: usize) -> ByCorner {
 /// The corners that have surfaces near on four sides or more, as points have that are inside something thin: they say nothing
 /// about what is around it.
 pub(super) fn boxed_in(corners: &[Clearance; 8]) -> u8 {
-    let is_enclosed = |k: usize| corners[k].0[Clearance::FREE_SIDES].count_ones() <= 2;
-    (0..8).map(|k| u8::from(is_enclosed(k)) << k).sum()
+    let is_boxed_in = |k: usize| corners[k].0[Clearance::FREE_SIDES].count_ones() <= 2;
+    (0..8).map(|k| u8::from(is_boxed_in(k)) << k).sum()
 }
 
 /// Which edges of a cell are free: for each axis a bit per corner at the lower end of its edge.
@@ -84,11 +84,11 @@ fn transpose(mut x: u64) -> u64 {
 /// The corners of `mask` that can be reached from its lowest one along free edges between corners of `mask`. `mask` must
 /// not be empty.
 #[inline(always)]
-pub(super) fn component(links: &FreeEdges, mask: u8) -> u8 {
+pub(super) fn component(free_edges: &FreeEdges, mask: u8) -> u8 {
     let mut reached = mask & mask.wrapping_neg();
     loop {
         let mut next = reached;
-        for (axis, &free) in links.iter().enumerate() {
+        for (axis, &free) in free_edges.iter().enumerate() {
             let step = 1 << axis;
             next |= (next & free) << step | (next >> step) & free;
             next &= mask;
@@ -116,10 +116,10 @@ const SLACK: f32 = 4.0;
 /// The corners that, looking towards `side` of the cell, meet a surface before the plane of normal `ng` over which they
 /// have these `heights`, in spacings: whatever reader lies on the plane, [`occluded`] says no where none does.
 #[inline(always)]
-pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, room: &ByCorner) -> u8 {
+pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, distances: &ByCorner) -> u8 {
     let approach = if side & 1 == 0 { -ng[side / 2] } else { ng[side / 2] };
     let reader = Vec4::splat(255.0 - SLACK);
-    let before = [0, 1].map(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
+    let before = [0, 1].map(|z| distances[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
     before[0] | before[1] << 4
 }
 
@@ -141,15 +141,15 @@ pub(super) fn occluded(
     d: f32,
     slope: f32,
     heights: &ByCorner,
-    room: impl FnOnce(usize) -> ByCorner,
+    distances: impl FnOnce(usize) -> ByCorner,
 ) -> u8 {
     let side = 2 * axis + usize::from(d < 0.0);
-    let room = room(side);
+    let room = distances(side);
     // Along the axis towards the reader, the plane comes nearer or never.
     let approach = -slope * 1.0_f32.copysign(d);
     let reader = Vec4::splat(d.abs().min(1.0) * 255.0 - SLACK);
-    let parted = [0, 1].map(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
-    (parted[0] | parted[1] << 4) & if upper { !LOWER[axis] } else { LOWER[axis] }
+    let occluded = [0, 1].map(|z| room[z].cmplt(reader.min(reach(approach, heights[z]))).bitmask() as u8);
+    (occluded[0] | occluded[1] << 4) & if upper { !LOWER[axis] } else { LOWER[axis] }
 }
 
 #[cfg(test)]

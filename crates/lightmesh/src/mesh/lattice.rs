@@ -107,13 +107,13 @@ impl Lattice {
     /// counts as the nearest one inside.
     #[inline(always)]
     pub(crate) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
-        let (cell, x) = self.cell_and_place(p);
+        let (cell, x) = self.cell_and_position(p);
         (cell, x.clamp(Vec3::ZERO, Vec3::ONE))
     }
 
     /// The same cell, and where p is from its lower corner, in spacings, also where that is outside the cell.
     #[inline(always)]
-    pub(super) fn cell_and_place(&self, p: Vec3) -> (Coordinate, Vec3) {
+    pub(super) fn cell_and_position(&self, p: Vec3) -> (Coordinate, Vec3) {
         // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count to the upper
         // side, as do those less than 1e-4 below it.
         const ROUND: f32 = (3 << 22) as f32;

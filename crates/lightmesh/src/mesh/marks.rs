@@ -54,7 +54,7 @@ impl LevelMarks {
     }
 
     /// The bricks that have marks, in order, with their marks, a bit per place; clears them.
-    pub(super) fn take_words(&mut self) -> Vec<(usize, [u64; 8])> {
+    pub(super) fn take_masks(&mut self) -> Vec<(usize, [u64; 8])> {
         let touched = self.touched.get_mut().unwrap_or_else(PoisonError::into_inner);
         touched.sort_unstable();
         let words = touched.drain(..).filter_map(|brick| Some((brick, self.words[brick].take()?)));
@@ -64,17 +64,17 @@ impl LevelMarks {
     /// The marked points as (brick, place), in that order, and how many of their bricks are new to `bricks`; clears the
     /// marks.
     pub(super) fn take(&mut self, bricks: &Bricks) -> (Vec<(usize, usize)>, u64) {
-        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
-        for (brick, words) in self.take_words() {
+        let (mut requested, mut new_bricks) = (Vec::new(), 0);
+        for (brick, words) in self.take_masks() {
             new_bricks += u64::from(!bricks.exists(brick));
             for (i, mut bits) in words.into_iter().enumerate() {
                 while bits != 0 {
-                    wanted.push((brick, i * 64 + bits.trailing_zeros() as usize));
+                    requested.push((brick, i * 64 + bits.trailing_zeros() as usize));
                     bits &= bits - 1;
                 }
             }
         }
-        (wanted, new_bricks)
+        (requested, new_bricks)
     }
 }
 

@@ -28,7 +28,7 @@ pub(super) fn read_with(
     rule: MissingCorners,
     vertex: &ShadingPoint,
     mut mark: impl FnMut(Coordinate),
-    mut take: impl FnMut(u32, f32),
+    mut visit: impl FnMut(u32, f32),
 ) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
@@ -41,14 +41,14 @@ pub(super) fn read_with(
     if empty {
         return ReadResult::Pending;
     }
-    let there = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
-    if there == 0 {
+    let present = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
+    if present == 0 {
         return ReadResult::Unavailable;
     }
-    let weights = moved(rule, &stencil, vertex, there);
-    for k in set_bits(there) {
+    let weights = weights_by_rule(rule, &stencil, vertex, present);
+    for k in set_bits(present) {
         if let Slot::Filled(index) = slots[k] {
-            take(index, weights[k]);
+            visit(index, weights[k]);
         }
     }
     ReadResult::Value
@@ -71,16 +71,16 @@ fn mask(corners: impl Iterator<Item = usize>) -> u8 {
 }
 
 /// The weights of the corners that are `there`, with what the rule moves to them.
-fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, there: u8) -> [f32; 8] {
+fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, present: u8) -> [f32; 8] {
     let mut weights: [f32; 8] = std::array::from_fn(|k| stencil.weight(k));
     let across = match rule {
         MissingCorners::Zero | MissingCorners::One => return weights,
         MissingCorners::Nearest => None,
         MissingCorners::Mirror => Some(1 << longest_axis(vertex.ng)),
     };
-    let nearest = nearest(stencil, there);
-    for k in set_bits(!there) {
-        let to = across.map(|bit| k ^ bit).filter(|&k| there >> k & 1 != 0).unwrap_or(nearest);
+    let nearest = nearest(stencil, present);
+    for k in set_bits(!present) {
+        let to = across.map(|bit| k ^ bit).filter(|&k| present >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);
     }
     weights
@@ -95,10 +95,10 @@ fn longest_axis(n: Vec3) -> usize {
 /// Which of some corners, at least one, is nearest to the place that the weights are of; the first of equals.
 fn nearest(stencil: &Stencil, corners: u8) -> usize {
     // Trilinear weights are products, and their sums over a face are the coordinates.
-    let place = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
+    let position = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
     let distance = |k: &usize| {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32);
-        corner.distance_squared(place)
+        corner.distance_squared(position)
     };
     set_bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
 }
@@ -124,23 +124,23 @@ mod tests {
     #[test]
     fn missing_weight_goes_where_the_rule_says() {
         let (vertex, stencil) = at(Vec3::Z);
-        let there = before_plane(&stencil);
-        assert_eq!(there, 0b1111_0000);
-        let sum = |rule| set_bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
+        let present = before_plane(&stencil);
+        assert_eq!(present, 0b1111_0000);
+        let sum = |rule| set_bits(present).map(|k| weights_by_rule(rule, &stencil, &vertex, present)[k]).sum::<f32>();
         assert!(
             (sum(MissingCorners::Zero) - 0.2).abs() < 2e-3 && sum(MissingCorners::Zero) == sum(MissingCorners::One)
         );
         assert!((sum(MissingCorners::Mirror) - 1.0).abs() < 1e-6 && (sum(MissingCorners::Nearest) - 1.0).abs() < 1e-6);
         let close = |a: f32, b: f32| (a - b).abs() < 2e-3;
         // Mirrored: bilinear in the upper face. Nearest: all of it to the corner at (0, 0, 1).
-        let mirrored = moved(MissingCorners::Mirror, &stencil, &vertex, there);
+        let mirrored = weights_by_rule(MissingCorners::Mirror, &stencil, &vertex, present);
         for (k, w) in [(4, 0.7 * 0.6), (5, 0.3 * 0.6), (6, 0.7 * 0.4), (7, 0.3 * 0.4)] {
             assert!(close(mirrored[k], w), "{mirrored:?}");
         }
-        let nearest = moved(MissingCorners::Nearest, &stencil, &vertex, there);
+        let nearest = weights_by_rule(MissingCorners::Nearest, &stencil, &vertex, present);
         assert!(close(nearest[4], 0.8 + 0.2 * 0.42) && close(nearest[7], 0.2 * 0.12), "{nearest:?}");
         // One of the mirrored corners is missing, too: the nearest of those that are left takes what both had.
-        let mirrored = moved(MissingCorners::Mirror, &stencil, &vertex, 0b1110_0000);
+        let mirrored = weights_by_rule(MissingCorners::Mirror, &stencil, &vertex, 0b1110_0000);
         assert!(close(mirrored[6], 0.28 + 0.42) && close(mirrored[5], 0.18), "{mirrored:?}");
     }
 

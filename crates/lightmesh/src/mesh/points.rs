@@ -29,7 +29,7 @@ pub(crate) struct Costs {
     /// What the field keeps of a point.
     pub kept: u64,
     /// What it holds of a point only while that is being filled.
-    pub passing: u64,
+    pub temporary: u64,
     /// Points that are being filled already.
     pub pending: usize,
 }
@@ -37,7 +37,7 @@ pub(crate) struct Costs {
 impl Costs {
     /// Of points that are filled at once.
     pub(crate) fn kept(kept: u64) -> Self {
-        Self { kept, passing: 0, pending: 0 }
+        Self { kept, temporary: 0, pending: 0 }
     }
 }
 
@@ -46,7 +46,7 @@ impl Costs {
 pub(crate) struct Points {
     /// The coarsest first.
     levels: Vec<RefinementLevel>,
-    pub(crate) neighbourhood: Interpolator,
+    pub(crate) interpolator: Interpolator,
     /// By index of the filled point.
     addresses: Vec<Address>,
     clearances: Vec<Clearance>,
@@ -56,14 +56,14 @@ pub(crate) struct Points {
 
 impl Points {
     /// `lattices` by level.
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator) -> Self {
         let levels = lattices.into_iter().map(RefinementLevel::new).collect();
-        Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
+        Self { levels, interpolator, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
     }
 
     /// The same lattices without a point.
     pub(crate) fn without_points(&self) -> Self {
-        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.neighbourhood)
+        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.interpolator)
     }
 
     /// Filled points, whose indices go from 0 up.
@@ -130,14 +130,14 @@ impl Points {
     }
 
     /// A reader for one thread.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: CornerVisibility) -> Reader<'a> {
-        Reader::new(scene, self, sight)
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
+        Reader::new(scene, self, visibility)
     }
 
     /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
-    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, sight: CornerVisibility) {
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, visibility: CornerVisibility) {
         let mut reader =
-            self.reader(scene, CornerVisibility::Deferred { finer: sight != CornerVisibility::Stochastic });
+            self.reader(scene, CornerVisibility::Deferred { finer: visibility != CornerVisibility::Stochastic });
         vertices.iter().for_each(|vertex| {
             reader.read(vertex, marks, |_, _| {});
         });
@@ -145,15 +145,15 @@ impl Points {
 
     /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
     pub(crate) fn cell(&self, vertex: &ShadingPoint) -> (u32, Coordinate) {
-        let mut at = 0;
+        let mut level_index = 0;
         loop {
-            let level = self.level(at);
+            let level = self.level(level_index);
             let stencil = trilinear(&level.lattice, vertex);
             let refined = level.refined(stencil.cell) & stencil.read;
-            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || at + 1 == self.level_count() {
-                return (at, stencil.cell);
+            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || level_index + 1 == self.level_count() {
+                return (level_index, stencil.cell);
             }
-            at += 1;
+            level_index += 1;
         }
     }
 
@@ -164,13 +164,13 @@ impl Points {
 
     /// Lets each level take over from the one before in a ball about the eye: from the first nearer than `metres`, from each that
     /// follows nearer than half as much. Ends where the cells that `seen` surface points have in the balls would be more than `most`.
-    pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
+    pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, surface_points: &[Vec3], max_cells: u64) {
         let (mut cells, mut radius) = (0, metres);
         for level in 0..self.levels.len() - 1 {
             let lattice = &self.levels[level].lattice;
-            let near = seen.iter().filter(|p| p.distance_squared(eye) < radius * radius);
+            let near = surface_points.iter().filter(|p| p.distance_squared(eye) < radius * radius);
             cells += near.map(|&p| lattice.cell(p).0.to_array()).collect::<HashSet<_>>().len() as u64;
-            if cells > most {
+            if cells > max_cells {
                 return;
             }
             self.levels[level].refine_near(eye, radius);
@@ -187,17 +187,17 @@ impl Points {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
-    pub(crate) fn take(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
-        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
+    pub(crate) fn take_marked(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
+        let (mut requested, mut new_bricks) = (Vec::new(), 0);
         for (level, marks) in (0..).zip(marks.levels()) {
             let RefinementLevel { lattice, bricks, .. } = self.level(level);
             let (places, new) = marks.take(bricks);
             let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
-            wanted.extend(places.into_iter().map(address));
+            requested.extend(places.into_iter().map(address));
             new_bricks += new;
         }
-        self.check_memory(wanted.len(), new_bricks, costs, limit)?;
-        Ok(wanted)
+        self.check_memory(requested.len(), new_bricks, costs, limit)?;
+        Ok(requested)
     }
 
     /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
@@ -205,10 +205,10 @@ impl Points {
         let points = (self.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
         let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);
-        let passing = ((costs.pending + new) as u64).saturating_mul(costs.passing);
+        let temporary = ((costs.pending + new) as u64).saturating_mul(costs.temporary);
         let needed = (self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK)
             .saturating_add(points.saturating_mul(bytes))
-            .saturating_add(passing);
+            .saturating_add(temporary);
         if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
             return Err(Error::OutOfMemory {
                 what: "the light mesh",
@@ -243,7 +243,7 @@ impl Points {
     }
 
     /// Takes the points from index `first` on back: they are empty again.
-    pub(crate) fn forget(&mut self, first: usize) {
+    pub(crate) fn truncate(&mut self, first: usize) {
         for address in self.addresses.drain(first..) {
             self.levels[address.level as usize].set(address.coordinate, Slot::Empty);
         }

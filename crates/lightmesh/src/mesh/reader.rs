@@ -74,7 +74,7 @@ impl<'a> Reader<'a> {
     /// Whether vertices read the corners of their cells.
     #[inline(always)]
     pub(crate) fn reads_cells(&self) -> bool {
-        self.points.neighbourhood == Interpolator::Trilinear
+        self.points.interpolator == Interpolator::Trilinear
     }
 
     /// Rays shot so far to find out which points vertices see.
@@ -85,14 +85,19 @@ impl<'a> Reader<'a> {
     /// Hands out (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
     /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks, mut take: impl FnMut(u32, f32)) -> ReadResult {
+    pub(crate) fn read(
+        &mut self,
+        vertex: &ShadingPoint,
+        marks: &Marks,
+        mut visit_point: impl FnMut(u32, f32),
+    ) -> ReadResult {
         let points = self.points;
-        if points.neighbourhood == Interpolator::Trilinear {
-            return self.read_cell(vertex, marks, take);
+        if points.interpolator == Interpolator::Trilinear {
+            return self.read_cell(vertex, marks, visit_point);
         }
-        if let Interpolator::TrilinearWith(rule) = points.neighbourhood {
+        if let Interpolator::TrilinearWith(rule) = points.interpolator {
             let mark = |coordinate| points.mark(Address { level: self.level_index, coordinate }, marks);
-            return read_with(self.level, rule, vertex, mark, take);
+            return read_with(self.level, rule, vertex, mark, visit_point);
         }
         let (mut any, mut empty) = (false, false);
         let mut visit = |coordinate: Coordinate, weight: f32| {
@@ -100,7 +105,7 @@ impl<'a> Reader<'a> {
             match slot {
                 Slot::Filled(index) if weight > 0.0 => {
                     any = true;
-                    take(index, weight);
+                    visit_point(index, weight);
                 }
                 Slot::Filled(_) | Slot::Invalid => {}
                 Slot::Empty => {
@@ -110,7 +115,7 @@ impl<'a> Reader<'a> {
             }
             slot
         };
-        match points.neighbourhood {
+        match points.interpolator {
             Interpolator::Sphere(ball) => sphere(&self.level.lattice, vertex, ball, visit),
             _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
         }
@@ -123,16 +128,16 @@ impl<'a> Reader<'a> {
 
     /// [`Self::read`] for the corners of the vertex' cell.
     #[inline(always)]
-    fn read_cell(&mut self, vertex: &ShadingPoint, marks: &Marks, mut take: impl FnMut(u32, f32)) -> ReadResult {
-        let seen = match self.corners(vertex, marks) {
+    fn read_cell(&mut self, vertex: &ShadingPoint, marks: &Marks, mut visit: impl FnMut(u32, f32)) -> ReadResult {
+        let visible = match self.corners(vertex, marks) {
             Ok(seen) => seen,
             Err(outcome) => return outcome,
         };
-        if seen.refined > 0.0 {
-            return self.blend(&seen, 1.0, vertex, marks, &mut take);
+        if visible.refined > 0.0 {
+            return self.blend(&visible, 1.0, vertex, marks, &mut visit);
         }
-        for k in set_bits(seen.mask) {
-            take(self.index(k), seen.weights[k / 4][k % 4]);
+        for k in set_bits(visible.mask) {
+            visit(self.index(k), visible.weights[k / 4][k % 4]);
         }
         ReadResult::Value
     }
@@ -142,26 +147,26 @@ impl<'a> Reader<'a> {
     #[cold]
     fn blend(
         &mut self,
-        seen: &VisibleCorners,
+        visible: &VisibleCorners,
         share: f32,
         vertex: &ShadingPoint,
         marks: &Marks,
-        take: &mut dyn FnMut(u32, f32),
+        visit: &mut dyn FnMut(u32, f32),
     ) -> ReadResult {
-        let own: f32 = seen.weights.iter().map(|w| w.element_sum()).sum();
-        let scale = share / (own + seen.refined);
-        for k in set_bits(seen.mask) {
-            take(self.index(k), scale * seen.weights[k / 4][k % 4]);
+        let own: f32 = visible.weights.iter().map(|w| w.element_sum()).sum();
+        let scale = share / (own + visible.refined);
+        for k in set_bits(visible.mask) {
+            visit(self.index(k), scale * visible.weights[k / 4][k % 4]);
         }
-        if seen.refined == 0.0 {
+        if visible.refined == 0.0 {
             return ReadResult::Value;
         }
         let (scene, points, next, sight) = (self.scene, self.points, self.level_index + 1, self.visibility);
         self.blended = true;
         let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, sight)));
         match finer.corners(vertex, marks) {
-            Ok(finest) => finer.blend(&finest, scale * seen.refined, vertex, marks, take),
-            Err(ReadResult::Unavailable) if seen.mask != 0 => ReadResult::Value,
+            Ok(finest) => finer.blend(&finest, scale * visible.refined, vertex, marks, visit),
+            Err(ReadResult::Unavailable) if visible.mask != 0 => ReadResult::Value,
             Err(outcome) => outcome,
         }
     }

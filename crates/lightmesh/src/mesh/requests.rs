@@ -51,8 +51,8 @@ impl PointRequests {
 
     /// Adds what somebody else wants.
     pub fn merge(&mut self, other: &Self) {
-        join(&mut self.direct, &other.direct);
-        join(&mut self.indirect, &other.indirect);
+        merge(&mut self.direct, &other.direct);
+        merge(&mut self.indirect, &other.indirect);
     }
 
     /// Takes away what somebody already has.
@@ -74,7 +74,7 @@ fn remove(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
 }
 
 /// Adds bricks to others, each of which then is there once, in order.
-fn join(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
+fn merge(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
     bricks.extend_from_slice(others);
     bricks.sort_unstable_by_key(|brick| (brick.level, brick.brick));
     bricks.dedup_by(|next, first| {
@@ -90,7 +90,7 @@ fn join(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
 pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
     let levels = (0..).zip(marks.levels());
     let bricks = levels.flat_map(|(level, marks)| {
-        marks.take_words().into_iter().map(move |(brick, places)| BrickMask {
+        marks.take_masks().into_iter().map(move |(brick, places)| BrickMask {
             level,
             brick: brick as u32,
             mask: places,
@@ -104,7 +104,7 @@ pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
 /// # Errors
 /// [`Error::InvalidOption`] for bricks that the mesh does not have.
 pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Result<(), Error> {
-    each(points, bricks, |level, brick, local, slot| {
+    for_each_point(points, bricks, |level, brick, local, slot| {
         if slot == Slot::Empty {
             marks.set(level, brick, local);
         }
@@ -115,20 +115,20 @@ pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Resu
 ///
 /// # Errors
 /// As [`mark`].
-pub(crate) fn each(
+pub(crate) fn for_each_point(
     points: &Points,
     bricks: &[BrickMask],
-    mut take: impl FnMut(u32, usize, usize, Slot),
+    mut visit: impl FnMut(u32, usize, usize, Slot),
 ) -> Result<(), Error> {
     for &BrickMask { level, brick, mask: places } in bricks {
         let known = (level < points.level_count()).then(|| points.level(level));
-        let Some(known) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
+        let Some(level_points) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
             return Err(Error::InvalidOption { option: "bricks", what });
         };
-        let slots = known.bricks.brick(brick as usize);
+        let slots = level_points.bricks.brick(brick as usize);
         let set = (0..512).filter(|place| places[place / 64] >> (place % 64) & 1 != 0);
-        set.for_each(|place| take(level, brick as usize, place, slots.at(place)));
+        set.for_each(|place| visit(level, brick as usize, place, slots.at(place)));
     }
     Ok(())
 }

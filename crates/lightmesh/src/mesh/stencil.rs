@@ -39,33 +39,33 @@ pub(crate) struct SphereStencil {
 impl SphereStencil {
     /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
     /// out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1 13.8%.
-    const LIFT: f32 = 0.6;
+    const PAPER_OFFSET: f32 = 0.6;
 }
 
 impl Interpolator {
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let weight = options.weight;
-        let mended = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
-        let lift = if mended { SphereStencil::LIFT } else { 0.0 };
+        let scales_by_visibility = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
+        let normal_offset = if scales_by_visibility { SphereStencil::PAPER_OFFSET } else { 0.0 };
         match options.interpolation {
             Interpolation::Auto if options.method == Method::Paper => {
-                Self::Sphere(SphereStencil { radius: Interpolation::DEFAULT_RADIUS, weight, normal_offset: lift })
+                Self::Sphere(SphereStencil { radius: Interpolation::DEFAULT_RADIUS, weight, normal_offset })
             }
             Interpolation::Auto => Self::Trilinear,
             Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset: lift }),
+            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset }),
             Interpolation::Nearest => Self::Nearest,
         }
     }
 
     /// The same for the indirect field, which has no rules for missing corners: they are said in terms of visibility.
-    pub(crate) fn of_indirect_light(self) -> Self {
+    pub(crate) fn without_rules(self) -> Self {
         if matches!(self, Self::TrilinearWith(_)) { Self::Trilinear } else { self }
     }
 
     /// The corners of the smallest block of lattice points that holds all that a surface at `p` reads, whichever way it faces.
-    pub(crate) fn around(self, lattice: &Lattice, p: Vec3) -> (Coordinate, Coordinate) {
+    pub(crate) fn range_around(self, lattice: &Lattice, p: Vec3) -> (Coordinate, Coordinate) {
         let offset = match self {
             Self::Trilinear => NORMAL_OFFSET,
             Self::TrilinearWith(_) => ON_SURFACE,
@@ -126,10 +126,10 @@ pub(super) fn trilinear(lattice: &Lattice, vertex: &ShadingPoint) -> Stencil {
 /// The same for the cell that is `offset` spacings off the surface.
 #[inline(always)]
 pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> Stencil {
-    let (cell, place) = lattice.cell_and_place(vertex.position + vertex.ng * (offset * lattice.spacing()));
-    let frac = place.clamp(Vec3::ZERO, Vec3::ONE);
+    let (cell, position) = lattice.cell_and_position(vertex.position + vertex.ng * (offset * lattice.spacing()));
+    let frac = position.clamp(Vec3::ZERO, Vec3::ONE);
     // The vertex is below `place` by the offset.
-    let height = offset - vertex.ng.dot(place);
+    let height = offset - vertex.ng.dot(position);
     let rest = Vec3::ONE - frac;
     let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
     let weights = [flat * rest.z, flat * frac.z];
@@ -153,19 +153,19 @@ pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
 pub(super) fn sphere(
     lattice: &Lattice,
     vertex: &ShadingPoint,
-    SphereStencil { radius, weight, normal_offset: lift }: SphereStencil,
+    SphereStencil { radius, weight, normal_offset }: SphereStencil,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
     let r = radius * lattice.spacing();
-    let middle = vertex.position + vertex.ng * (lift * lattice.spacing());
-    let (low, high) = lattice.range(middle - r, middle + r);
+    let center = vertex.position + vertex.ng * (normal_offset * lattice.spacing());
+    let (low, high) = lattice.range(center - r, center + r);
     for z in low.z..=high.z {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
                 let coordinate = UVec3::new(x, y, z);
                 let point = lattice.point(coordinate);
                 let d = point - vertex.position;
-                if point.distance_squared(middle) <= r * r && vertex.ng.dot(d) > 0.0 {
+                if point.distance_squared(center) <= r * r && vertex.ng.dot(d) > 0.0 {
                     visit(coordinate, phi(weight, d * lattice.inv_spacing(), radius, vertex.ng));
                 }
             }

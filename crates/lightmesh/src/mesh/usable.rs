@@ -11,18 +11,18 @@ use crate::interaction::ShadingPoint;
 /// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
 /// from it. All of them have been evaluated.
 pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
-    let (mut usable, mut asked) = (0.0, 0.0);
+    let (mut usable, mut total) = (0.0, 0.0);
     let mut visit = |slot: Slot, weight: f32| {
-        asked += weight;
+        total += weight;
         usable += if matches!(slot, Slot::Filled(_)) { weight } else { 0.0 };
         slot
     };
-    match points.neighbourhood {
+    match points.interpolator {
         Interpolator::Trilinear => {
             let stencil = trilinear(&points.level(0).lattice, vertex);
-            if let Ok(seen) = reader.corners(vertex, marks) {
-                asked = stencil.sum(stencil.read);
-                usable = stencil.sum(seen.mask) + seen.refined;
+            if let Ok(visible) = reader.corners(vertex, marks) {
+                total = stencil.sum(stencil.read);
+                usable = stencil.sum(visible.mask) + visible.refined;
             }
         }
         Interpolator::TrilinearWith(_) => return usable_share(points.level(0), vertex),
@@ -35,5 +35,5 @@ pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: 
             nearest(&level.lattice, vertex, |coordinate| visit(level.slot(coordinate), 1.0));
         }
     }
-    if asked > 0.0 { usable / asked } else { 0.0 }
+    if total > 0.0 { usable / total } else { 0.0 }
 }

@@ -31,12 +31,12 @@ pub(super) struct Single {
 impl PerLightShader {
     /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
     #[inline(always)]
-    pub(in super::super) fn unbiased<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, count: u32) -> Vec3 {
-        let LightCutVisibility { lights, clusters, estimate: agreement } = lit.lights;
+    pub(in super::super) fn sample_unbiased<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, count: u32) -> Vec3 {
+        let LightCutVisibility { lights, clusters, estimate: agreement } = shaded.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, _) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
+        let (mut sum, _) = terms.evaluate(simd, lights, &shaded.receiver(), &agreement.certain);
         if let Some(clusters) = clusters {
-            terms.raise_to_least(lit.vertex.n, clusters.least, clusters.radii);
+            terms.raise_to_least(shaded.vertex.n, clusters.least, clusters.radii);
         }
         let blocks = terms.blocks();
 
@@ -79,7 +79,7 @@ impl PerLightShader {
         // Choose lights, stratified over the list.
         let (mut entry, mut below) = (0, 0.0);
         for k in 0..if total > 0.0 { count } else { 0 } {
-            let at = (k as f32 + lit.random(2 * k)) / count as f32 * total;
+            let at = (k as f32 + shaded.random(2 * k)) / count as f32 * total;
             while entry + 1 < self.contributions.len() && below + self.contributions[entry] <= at {
                 below += self.contributions[entry];
                 entry += 1;
@@ -94,12 +94,12 @@ impl PerLightShader {
                 (block as usize, i as usize, v)
             } else {
                 let singles = agreement.partial()[entry] | blocks[entry].towards_occluder;
-                let Some((i, share)) = choose(&blocks[entry], singles, lit.random(2 * k + 1)) else { continue };
+                let Some((i, share)) = choose(&blocks[entry], singles, shaded.random(2 * k + 1)) else { continue };
                 p *= share;
                 (entry, i, agreement.certain[entry * LANES + i])
             };
             let weight = lights.intensity(at * LANES + i) * (blocks[at].factors[i] / p);
-            sum -= self.queue_shadow_ray(lit, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, None));
+            sum -= self.queue_shadow_ray(shaded, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, None));
         }
         self.terms = terms;
         sum

@@ -94,7 +94,7 @@ pub(crate) fn choose_plan(
             always_above: much,
             agreement: TrustAgreement::Unbiased,
         };
-        frame.plan = LightingPlan { primary: Shading::by_light(care, frame.options), ..frame.plan };
+        frame.plan = LightingPlan { primary: Shading::per_light(care, frame.options), ..frame.plan };
         let found = pilot.compare(frame, film, watch, stats)?;
         if found.rays + reading >= pilot.rays {
             break;

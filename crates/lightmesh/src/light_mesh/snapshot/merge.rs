@@ -17,29 +17,29 @@ impl LightMesh {
     /// [`Error::InvalidContents`] for contents of a mesh of another kind, lattice or number of bounces, and for such that cannot be true;
     /// [`Error::OutOfMemory`] if its points would not fit into the memory that the mesh was allowed when it was made. The mesh has not
     /// changed then.
-    pub fn merge(&mut self, contents: &Snapshot) -> Result<(), Error> {
+    pub fn merge(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         // Check everything, then change.
-        self.direct.check(&contents.direct)?;
-        match (&self.indirect, &contents.indirect) {
+        self.direct.check(&snapshot.direct)?;
+        match (&self.indirect, &snapshot.indirect) {
             (Some(field), Some(contents)) => field.check(contents)?,
             (Some(_), None) => return refuse("indirect", "is missing; the mesh has indirect light"),
             (None, Some(_)) => return refuse("indirect", "is given; the mesh has no indirect light"),
             (None, None) => {}
         }
-        self.direct.absorb(&contents.direct);
-        if let (Some(field), Some(contents)) = (&mut self.indirect, &contents.indirect) {
-            field.absorb(contents);
+        self.direct.merge(&snapshot.direct);
+        if let (Some(field), Some(contents)) = (&mut self.indirect, &snapshot.indirect) {
+            field.merge(contents);
         }
         Ok(())
     }
 }
 
 impl DirectField {
-    fn check(&self, contents: &DirectSnapshot) -> Result<(), Error> {
-        let DirectSnapshot { points, values } = contents;
+    fn check(&self, snapshot: &DirectSnapshot) -> Result<(), Error> {
+        let DirectSnapshot { points, values } = snapshot;
         self.points.check(points, "direct")?;
         self.encoding.check(values, points.addresses.len())?;
-        let (new, bricks) = self.points.news(points);
+        let (new, bricks) = self.points.count_new(points);
         self.points.check_memory(new, bricks, self.costs(), self.max_memory())?;
         match values {
             DirectValues::Runs { ends, runs } => self.check_memory_of_runs(ends.len(), runs.len()),
@@ -48,48 +48,48 @@ impl DirectField {
     }
 
     /// Adds the points that are new; the snapshot has been checked.
-    fn absorb(&mut self, contents: &DirectSnapshot) {
+    fn merge(&mut self, snapshot: &DirectSnapshot) {
         let Self { points, encoding, .. } = self;
-        points.merge(&contents.points, |i| encoding.push_snapshot(&contents.values, i));
+        points.merge(&snapshot.points, |i| encoding.push_snapshot(&snapshot.values, i));
     }
 }
 
 impl IndirectField {
-    fn check(&self, contents: &IndirectSnapshot) -> Result<(), Error> {
+    fn check(&self, snapshot: &IndirectSnapshot) -> Result<(), Error> {
         let (sides, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
-        if contents.faces as usize != sides {
-            let what = format!("have {} sides; this mesh keeps {sides}: it is of another method", contents.faces);
+        if snapshot.faces as usize != sides {
+            let what = format!("have {} sides; this mesh keeps {sides}: it is of another method", snapshot.faces);
             return refuse("indirect values", what);
         }
-        if contents.bounces as usize != bounces {
-            let what = format!("go up to {} bounces; this mesh was made for {bounces}", contents.bounces);
+        if snapshot.bounces as usize != bounces {
+            let what = format!("go up to {} bounces; this mesh was made for {bounces}", snapshot.bounces);
             return refuse("indirect values", what);
         }
-        self.points.check(&contents.points, "indirect")?;
-        let shape = [self.bounce_values.len(), contents.points.addresses.len(), sides, 3];
-        check_length("indirect values", contents.values.len(), &shape)?;
-        check_finite("indirect values", &contents.values)?;
-        if !(contents.hit_irradiance.is_finite() && contents.hit_irradiance >= 0.0) {
-            return refuse("indirect", format!("the sum at gather hits is {}", contents.hit_irradiance));
+        self.points.check(&snapshot.points, "indirect")?;
+        let shape = [self.bounce_values.len(), snapshot.points.addresses.len(), sides, 3];
+        check_length("indirect values", snapshot.values.len(), &shape)?;
+        check_finite("indirect values", &snapshot.values)?;
+        if !(snapshot.hit_irradiance.is_finite() && snapshot.hit_irradiance >= 0.0) {
+            return refuse("indirect", format!("the sum at gather hits is {}", snapshot.hit_irradiance));
         }
-        let (new, bricks) = self.points.news(&contents.points);
+        let (new, bricks) = self.points.count_new(&snapshot.points);
         self.points.check_memory(new, bricks, self.costs(), self.max_memory)
     }
 
     /// Adds what is not known; it has been checked.
-    fn absorb(&mut self, contents: &IndirectSnapshot) {
-        let (count, one) = (contents.points.addresses.len(), 3 * self.faces.count());
+    fn merge(&mut self, snapshot: &IndirectSnapshot) {
+        let (count, one) = (snapshot.points.addresses.len(), 3 * self.faces.count());
         let Self { points, bounce_values: levels, .. } = self;
         let before = points.len();
-        points.merge(&contents.points, |i| {
+        points.merge(&snapshot.points, |i| {
             for (k, level) in levels.iter_mut().enumerate() {
-                level.extend(values(&contents.values[(k * count + i) * one..][..one]));
+                level.extend(values(&snapshot.values[(k * count + i) * one..][..one]));
             }
         });
         // Of all that was gathered, the part of the points that are new: enough for an estimate.
         let part = (self.points.len() - before) as f64 / count.max(1) as f64;
-        self.gather_hit_irradiance.0 += part * contents.hit_irradiance;
+        self.gather_hit_irradiance.0 += part * snapshot.hit_irradiance;
         self.gather_hit_irradiance.1 =
-            self.gather_hit_irradiance.1.saturating_add((part * contents.hit_count as f64) as u64);
+            self.gather_hit_irradiance.1.saturating_add((part * snapshot.hit_count as f64) as u64);
     }
 }

@@ -13,11 +13,11 @@ use crate::sampling::{hash, seed_of_place};
 impl Reader<'_> {
     /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
     #[cold]
-    pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+    pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
         match self.visibility {
             CornerVisibility::All => {
-                let seen = self.trace_components(vertex, stencil, usable, parted);
-                if seen != 0 { seen } else { self.trace_each(vertex, usable) }
+                let visible = self.trace_components(vertex, stencil, usable, occluded);
+                if visible != 0 { visible } else { self.trace_each(vertex, usable) }
             }
             CornerVisibility::Stochastic => self.trace_until_visible(vertex, stencil, usable),
             CornerVisibility::Deferred { .. } => usable,
@@ -26,21 +26,21 @@ impl Reader<'_> {
 
     /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
     /// there is but one piece and nothing of it is hidden.
-    fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
-        let mut seen = self.trace_each(vertex, parted);
+    fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
+        let mut visible = self.trace_each(vertex, occluded);
         let mut rest = usable;
         while rest != 0 {
-            let piece = component(&self.cell.free_edges, rest);
-            rest &= !piece;
-            let together = piece & !parted;
+            let component = component(&self.cell.free_edges, rest);
+            rest &= !component;
+            let unoccluded = component & !occluded;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
-            let Some(heaviest) = set_bits(together).max_by(heavier) else { continue };
-            let trusted = piece == usable && parted & !seen == 0;
-            if trusted || self.sees(vertex, heaviest) {
-                seen |= together;
+            let Some(heaviest) = set_bits(unoccluded).max_by(heavier) else { continue };
+            let is_whole_and_visible = component == usable && occluded & !visible == 0;
+            if is_whole_and_visible || self.sees(vertex, heaviest) {
+                visible |= unoccluded;
             }
         }
-        seen
+        visible
     }
 
     pub(super) fn trace_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
