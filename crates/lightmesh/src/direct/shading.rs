@@ -190,11 +190,11 @@ impl ShadingBatch {
                 }
             };
             if by_light.is_full() {
-                *shadow_rays += by_light.shoot(scene, direct);
+                *shadow_rays += by_light.trace(scene, direct);
             }
         }
         waiting.truncate(kept);
-        *shadow_rays += by_light.shoot(scene, direct);
+        *shadow_rays += by_light.trace(scene, direct);
         self.visibility_rays += reader.visibility_rays();
     }
 
