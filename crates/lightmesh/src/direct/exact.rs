@@ -8,7 +8,7 @@ use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{Directions, LightCut};
 use crate::world::Scene;
 
-/// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
+/// Sums light exactly, with buffers that it keeps; one per worker.
 #[derive(Debug, Default)]
 pub(crate) struct ExactShader {
     directions: Directions,
@@ -20,8 +20,8 @@ pub(crate) struct ExactShader {
 }
 
 impl ExactShader {
-    /// Σ_i V_i φ2 E_i / φ3 over lights that look from the vertex: formula (2) with exact visibility, lux per channel; also how many
-    /// shadow rays it took.
+    /// Returns Σ_i V_i φ2 E_i / φ3 over the lights of a cut: formula (2) with exact visibility, lux per channel; and the number of
+    /// shadow rays.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
@@ -32,7 +32,7 @@ impl ExactShader {
         let lights = cut.lights();
         lights.directions(scene.simd_level(), falloff, vertex.position, &mut self.directions);
 
-        // Only lights in front of the surface, in their cone and range, are worth a ray.
+        // Make a ray to each light that is in front of the surface and has it in its cone and range.
         self.lanes.clear();
         self.terms.clear();
         self.rays.clear();
@@ -46,8 +46,9 @@ impl ExactShader {
                 self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction)));
             }
         }
-        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
 
+        // Trace the rays and sum.
+        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
         let mut sum = Vec3::ZERO;
         for ((&lane, &term), &v) in self.lanes.iter().zip(&self.terms).zip(&self.visible) {
             sum += lights.intensity(lane as usize) * v * term;

@@ -17,6 +17,8 @@ pub(crate) struct DirectField {
 }
 
 impl DirectField {
+    /// An empty field.
+    ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn new(
@@ -81,27 +83,27 @@ impl DirectField {
         Ok(())
     }
 
-    /// Its points, to be refined.
+    /// Returns its points, to be refined.
     pub(crate) fn points_mut(&mut self) -> &mut Points {
         &mut self.points
     }
 
-    /// The lights of its scene.
+    /// Returns the lights of its scene.
     pub(crate) fn lights(&self) -> &RegionCuts {
         &self.lights
     }
 
-    /// [`DirectField::lights`], to ask for what is not known yet.
+    /// Returns the lights of its scene, to make further cuts.
     pub(crate) fn lights_mut(&mut self) -> &mut RegionCuts {
         &mut self.lights
     }
 
-    /// Its points.
+    /// Returns its points.
     pub(crate) fn points(&self) -> &Points {
         &self.points
     }
 
-    /// How often the cell that a vertex reads has been refined.
+    /// Returns how often the cell that a vertex reads has been refined.
     pub(crate) fn level_at(&self, vertex: &ShadingPoint) -> u32 {
         self.points.cell(vertex).0
     }

@@ -23,7 +23,7 @@ pub(crate) enum Shading {
     Exact,
     /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
     MeanVisibility,
-    /// Light by light, with shadow rays as far as some care wants them.
+    /// Light by light, with the shadow rays of a policy.
     PerLight { policy: SamplingPolicy, seed: u32 },
     /// The mesh as control variate of so many shadow rays.
     Unbiased { rays: u32, seed: u32 },
@@ -79,7 +79,7 @@ impl LightingPlan {
         Self { primary: seen, ..self }
     }
 
-    /// How vertices that look at the mesh like this take their direct light.
+    /// Returns how vertices that read the mesh like this take their direct light.
     pub(super) fn shading(&self, visibility: CornerVisibility) -> Shading {
         match visibility {
             CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,
