@@ -1,10 +1,10 @@
 //! The paper's trilinear neighbourhood, figs. 10-11: the cell that a surface point is in, and rules for the corners of it that are
 //! missing because they are behind the surface or inside a solid.
 //!
-//! > Ĩ(y) = Σ_{k there} w_k Ĩ_k + Σ_{k missing} w_k m_k,
+//! > Ĩ(y) = Σ_{k present} w_k Ĩ_k + Σ_{k missing} w_k m_k,
 //!
-//! w_k the trilinear weights, m_k what the rule says: 0, 1, or the Ĩ of a corner that is there. In the last case weight moves from
-//! corner to corner; in the first two the sum of the weights that are handed out is less than 1, and who reads adds the rest.
+//! w_k the trilinear weights, m_k the rule's value: 0, 1, or the Ĩ of a corner that is present. In the last case weight moves from
+//! corner to corner; in the first two the sum of the weights is less than 1, and the reader adds the rest.
 
 use glam::Vec3;
 
@@ -21,8 +21,8 @@ use crate::interaction::ShadingPoint;
 /// surface on a lattice plane has the cell before it, not the one behind.
 const OFFSET: f32 = ON_SURFACE;
 
-/// Hands out (index, weight) of the corners of the vertex' cell that are there, the weights with what the rule moves to them; none
-/// if any is still empty: then those are marked.
+/// Visits (index, weight) of the corners of the vertex' cell that are present, with the weights that the rule moves to them. If any
+/// is still empty it visits none and marks the empty ones.
 pub(super) fn read_with(
     level: &RefinementLevel,
     rule: MissingCorners,
@@ -54,14 +54,14 @@ pub(super) fn read_with(
     ReadResult::Value
 }
 
-/// The part of the trilinear weight that corners have which are there; all of them have been evaluated.
+/// Returns the part of the trilinear weight that corners have which are present; all of them have been evaluated.
 pub(super) fn usable_share(level: &RefinementLevel, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
     stencil.sum(mask(set_bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
 }
 
-/// The corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
+/// Returns the corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
 fn before_plane(stencil: &Stencil) -> u8 {
     mask((0..8).filter(|&k| stencil.heights[k / 4][k % 4] > ON_SURFACE))
 }
@@ -70,7 +70,7 @@ fn mask(corners: impl Iterator<Item = usize>) -> u8 {
     corners.map(|k| 1 << k).sum()
 }
 
-/// The weights of the corners that are `there`, with what the rule moves to them.
+/// Returns the weights of the corners that are `present`, with those that the rule moves to them.
 fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, present: u8) -> [f32; 8] {
     let mut weights: [f32; 8] = std::array::from_fn(|k| stencil.weight(k));
     let across = match rule {
@@ -86,13 +86,13 @@ fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoin
     weights
 }
 
-/// Which of x, y, z is largest; the first of equals.
+/// Returns which of x, y, z is largest; the first of equals.
 fn longest_axis(n: Vec3) -> usize {
     let n = n.abs();
     if n.x >= n.y && n.x >= n.z { 0 } else { 1 + usize::from(n.z > n.y) }
 }
 
-/// Which of some corners, at least one, is nearest to the place that the weights are of; the first of equals.
+/// Returns which of some corners, at least one, is nearest to the position that the weights are of; the first of equals.
 fn nearest(stencil: &Stencil, corners: u8) -> usize {
     // Trilinear weights are products, and their sums over a face are the coordinates.
     let position = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
@@ -120,7 +120,7 @@ mod tests {
         (vertex, stencil)
     }
 
-    /// A wall that faces +z: the four lower corners are behind it, and each has weight 0.8 times what it has in the plane.
+    /// A wall that faces +z: the four lower corners are behind it, with 0.8 of the weight together.
     #[test]
     fn missing_weight_goes_where_the_rule_says() {
         let (vertex, stencil) = at(Vec3::Z);

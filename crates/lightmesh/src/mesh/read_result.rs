@@ -4,32 +4,33 @@ use glam::Vec4;
 
 use super::corners::ByCorner;
 
-/// How a vertex finds out which corners it sees, where its cell is divided.
+/// How a vertex finds out which corners are visible from it, where its cell is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CornerVisibility {
-    /// All that it sees: what a pixel shows is smooth.
+    /// It reads all that are visible: pixels are smooth.
     All,
-    /// One corner, chosen in proportion to the weights among those it sees: a ray or two. For the many hits of gather rays, of
-    /// which only the sum counts.
+    /// It reads one visible corner, chosen in proportion to the weights: a ray or two. For the many hits of gather rays, of which
+    /// only the sum counts.
     Stochastic,
-    /// All in front of it, hidden or not: for those who ask what corners know of each light, and look themselves where corners
-    /// disagree. Only where no more is left than a lesser part of what a vertex wants to read, each is looked at. On finer levels
-    /// too, or on the first one alone: what gather rays bring to points must not depend on where the picture needs more of them.
+    /// It reads all in front of it, hidden or not: for shading light by light, which traces rays of its own where corners differ.
+    /// Only where the usable corners are a minority of those that the vertex wants to read does each get a ray. `finer`: on finer
+    /// levels, too, and not on the first one alone; gather rays must not do so, as the values that they bring to points must not
+    /// depend on where the picture refines the mesh.
     Deferred { finer: bool },
 }
 
-/// What became of a read.
+/// The result of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReadResult {
-    /// Every point of the neighbourhood that counts was handed out.
+    /// Every usable point of D_y was visited.
     Value,
-    /// No point of the neighbourhood can be used.
+    /// No point of D_y can be used.
     Unavailable,
-    /// Points are missing; they have been marked. What was handed out does not count.
+    /// Points are missing; they have been marked. Those that were visited do not count.
     Pending,
 }
 
-/// Corners that a vertex sees.
+/// The corners of a cell that are visible from a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VisibleCorners {
     /// A bit each; 0 only where the next level takes over.
@@ -41,6 +42,7 @@ pub(crate) struct VisibleCorners {
 }
 
 impl VisibleCorners {
+    /// No corner of this level.
     pub(super) fn nothing(refined: f32) -> Self {
         Self { mask: 0, weights: [Vec4::ZERO; 2], refined }
     }

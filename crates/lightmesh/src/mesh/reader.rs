@@ -1,4 +1,4 @@
-//! Reading the mesh: which points a surface point asks for, with what weight, and which of them it cannot see.
+//! Reading the mesh: which points a surface point reads, with what weight, and which of them are hidden from it.
 
 mod cached;
 mod cell_cache;
@@ -71,19 +71,19 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Whether vertices read the corners of their cells.
+    /// Returns whether vertices read the corners of their cells.
     #[inline(always)]
     pub(crate) fn reads_cells(&self) -> bool {
         self.points.interpolator == Interpolator::Trilinear
     }
 
-    /// Rays shot so far to find out which points vertices see.
+    /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
         self.visibility_rays + self.finer.as_ref().map_or(0, |finer| finer.visibility_rays())
     }
 
-    /// Hands out (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
-    /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
+    /// Visits (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are marked
+    /// instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
     pub(crate) fn read(
         &mut self,
@@ -116,7 +116,7 @@ impl<'a> Reader<'a> {
             slot
         };
         match points.interpolator {
-            Interpolator::Sphere(ball) => sphere(&self.level.lattice, vertex, ball, visit),
+            Interpolator::Sphere(stencil) => sphere(&self.level.lattice, vertex, stencil, visit),
             _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
         }
         match (empty, any) {
@@ -142,8 +142,8 @@ impl<'a> Reader<'a> {
         ReadResult::Value
     }
 
-    /// Hands out what is seen on this level and on the finer ones that take over from it (see [`RefinementLevel`]); their weights
-    /// have the sum `share`.
+    /// Visits the visible corners of this level and those of the finer ones that take over from it (see [`RefinementLevel`]), with
+    /// weights of the sum `share`.
     #[cold]
     fn blend(
         &mut self,
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
         self.visible(mask, &stencil, read, refined)
     }
 
-    /// What a vertex sees that wanted to read some corners and sees those of `mask`.
+    /// Returns the corners of `mask`, for a vertex that wanted to read those of `read`.
     #[inline(always)]
     fn visible(&mut self, mask: u8, stencil: &Stencil, read: u8, refined: f32) -> Result<VisibleCorners, ReadResult> {
         if mask == 0 {
@@ -237,25 +237,26 @@ impl<'a> Reader<'a> {
         Ok(VisibleCorners { mask, weights, refined })
     }
 
-    /// How many cells have been entered: as long as it stays, the corners are the same points.
+    /// Returns how many cells have been entered: as long as the number stays, the corners are the same points.
     #[inline(always)]
     pub(crate) fn visits(&self) -> u64 {
         self.visits
     }
 
-    /// A mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but cannot, on all
-    /// levels that it read: they are inside solids or hidden from it. Zero where there are none.
+    /// Returns a mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but
+    /// cannot, on all levels that it read: they are inside solids or hidden from it. Zero where there are none.
     #[inline(always)]
     pub(crate) fn towards_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
     }
 
-    /// Whether something stands before the plane of the vertex that was read last, in the cells that it read. Known where sight is
-    /// unchecked.
+    /// Returns whether something stands before the plane of the vertex that was read last, in the cells that it read. Known only
+    /// where visibility is deferred.
     pub(crate) fn has_near_occluder(&self) -> bool {
         self.near_occluder || self.finer.as_ref().is_some_and(|finer| self.blended && finer.has_near_occluder())
     }
 
+    /// Returns the sum of the vectors from a vertex to the corners that it cannot read, in spacings.
     fn sum_of_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         let lattice = &self.level.lattice;
         let to_corner = |k| (lattice.point(corner(self.cell.coordinate, k)) - vertex.position) * lattice.inv_spacing();

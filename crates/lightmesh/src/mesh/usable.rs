@@ -1,4 +1,4 @@
-//! How much of what a surface asks the mesh for it can use: a layer of the picture, nothing that light depends on.
+//! The usable part of the points that a surface reads: a layer of the picture, on which no light depends.
 
 use super::bricks::Slot;
 use super::marks::Marks;
@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::stencil::{Interpolator, nearest, sphere, trilinear};
 use crate::interaction::ShadingPoint;
 
-/// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
+/// Returns the part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
 /// from it. All of them have been evaluated.
 pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
     let (mut usable, mut total) = (0.0, 0.0);
@@ -26,9 +26,9 @@ pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: 
             }
         }
         Interpolator::TrilinearWith(_) => return usable_share(points.level(0), vertex),
-        Interpolator::Sphere(ball) => {
+        Interpolator::Sphere(stencil) => {
             let level = points.level(0);
-            sphere(&level.lattice, vertex, ball, |coordinate, w| visit(level.slot(coordinate), w));
+            sphere(&level.lattice, vertex, stencil, |coordinate, w| visit(level.slot(coordinate), w));
         }
         Interpolator::Nearest => {
             let level = points.level(0);

@@ -1,4 +1,4 @@
-//! Copying what a mesh knows.
+//! Copying points of a mesh into a snapshot.
 
 use glam::Vec4;
 
@@ -10,7 +10,7 @@ use crate::indirect::IndirectField;
 use crate::mesh::PointRequests;
 
 impl LightMesh {
-    /// How much it knows now.
+    /// Returns the present state, for [`LightMesh::snapshot_since`].
     pub fn cursor(&self) -> Cursor {
         let (indirect, hit_irradiance) = match &self.indirect {
             Some(field) => (field.points.cursor(), field.gather_hit_irradiance),
@@ -19,8 +19,8 @@ impl LightMesh {
         Cursor { direct: self.direct.points.cursor(), indirect, hit_irradiance }
     }
 
-    /// A copy of what it learned since `counts` was taken from it; with `Cursor::default()`, of all that it knows. It takes about as much
-    /// memory as [`MeshStats::bytes`](crate::image::MeshStats::bytes).
+    /// Copies the points that the mesh has gained since `cursor` was taken from it; with `Cursor::default()`, all of them. The copy
+    /// takes about as much memory as [`MeshStats::bytes`](crate::image::MeshStats::bytes).
     pub fn snapshot_since(&self, cursor: &Cursor) -> Snapshot {
         Snapshot {
             direct: self.direct.snapshot_since(cursor.direct),
@@ -28,7 +28,7 @@ impl LightMesh {
         }
     }
 
-    /// A copy of what it knows of some points; those that are empty are left out.
+    /// Copies the requested points; those that are empty are left out.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for bricks that the mesh does not have.
@@ -53,7 +53,7 @@ impl DirectField {
         self.snapshot(points, first..self.points.len() as u32)
     }
 
-    /// What the points with these indices know.
+    /// Copies the values of the points with these indices.
     pub(crate) fn snapshot(&self, points: PointSnapshot, indices: impl Iterator<Item = u32>) -> DirectSnapshot {
         let values = self.encoding.snapshot(indices);
         DirectSnapshot { points, values }
@@ -74,13 +74,13 @@ impl IndirectField {
         }
     }
 
-    /// What the points with these indices know; of gather hits nothing.
+    /// Copies the values of the points with these indices; the sums at gather hits are 0.
     pub(crate) fn snapshot(&self, points: PointSnapshot, indices: &[u32]) -> IndirectSnapshot {
         let faces = self.faces.count();
         let mut values = Vec::with_capacity(self.bounce_values.len() * indices.len() * faces * 3);
         for level in &self.bounce_values {
-            let of_point = |&i: &u32| level[i as usize * faces..][..faces].iter();
-            values.extend(indices.iter().flat_map(of_point).flat_map(|v: &Vec4| v.truncate().to_array()));
+            let values_of = |&i: &u32| level[i as usize * faces..][..faces].iter();
+            values.extend(indices.iter().flat_map(values_of).flat_map(|v: &Vec4| v.truncate().to_array()));
         }
         let (bounces, sides) = (self.bounce_values.len() as u32 - 1, faces as u32);
         IndirectSnapshot { points, bounces, faces: sides, values, hit_irradiance: 0.0, hit_count: 0 }

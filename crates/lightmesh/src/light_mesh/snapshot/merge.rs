@@ -1,4 +1,4 @@
-//! Taking in what another mesh knows.
+//! Merging a snapshot into a mesh.
 
 use super::super::LightMesh;
 use super::{DirectSnapshot, DirectValues, IndirectSnapshot, Snapshot};
@@ -8,13 +8,13 @@ use crate::direct::encoding::{check_finite, check_length, refuse, values};
 use crate::indirect::IndirectField;
 
 impl LightMesh {
-    /// Adds the points of another mesh of the same scene and settings that this one does not have; others are left as they are. What is
-    /// rendered with it afterwards is bit for bit what it would have been: absorbed points are not evaluated again.
+    /// Adds the points of a snapshot, made of another mesh of the same scene and settings, that this mesh does not have; its own points
+    /// stay as they are. Pictures do not change by it, bit for bit: merged points only need not be evaluated again.
     ///
-    /// That the scene and the settings are the same cannot be seen in contents: compare [`Fingerprint`](crate::Fingerprint)s.
+    /// A snapshot does not tell whether its scene and settings are the same: compare [`Fingerprint`](crate::Fingerprint)s.
     ///
     /// # Errors
-    /// [`Error::InvalidContents`] for contents of a mesh of another kind, lattice or number of bounces, and for such that cannot be true;
+    /// [`Error::InvalidContents`] for a snapshot of another method, lattice or number of bounces, and for invalid values;
     /// [`Error::OutOfMemory`] if its points would not fit into the memory that the mesh was allowed when it was made. The mesh has not
     /// changed then.
     pub fn merge(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
@@ -35,6 +35,7 @@ impl LightMesh {
 }
 
 impl DirectField {
+    /// Refuses a snapshot of another kind of mesh.
     fn check(&self, snapshot: &DirectSnapshot) -> Result<(), Error> {
         let DirectSnapshot { points, values } = snapshot;
         self.points.check(points, "direct")?;
@@ -47,7 +48,7 @@ impl DirectField {
         }
     }
 
-    /// Adds the points that are new; the snapshot has been checked.
+    /// Adds the new points of a snapshot that has been checked.
     fn merge(&mut self, snapshot: &DirectSnapshot) {
         let Self { points, encoding, .. } = self;
         points.merge(&snapshot.points, |i| encoding.push_snapshot(&snapshot.values, i));
@@ -55,10 +56,11 @@ impl DirectField {
 }
 
 impl IndirectField {
+    /// Refuses a snapshot of another kind of mesh.
     fn check(&self, snapshot: &IndirectSnapshot) -> Result<(), Error> {
-        let (sides, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
-        if snapshot.faces as usize != sides {
-            let what = format!("have {} sides; this mesh keeps {sides}: it is of another method", snapshot.faces);
+        let (faces, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
+        if snapshot.faces as usize != faces {
+            let what = format!("have {} sides; this mesh keeps {faces}: it is of another method", snapshot.faces);
             return refuse("indirect values", what);
         }
         if snapshot.bounces as usize != bounces {
@@ -66,7 +68,7 @@ impl IndirectField {
             return refuse("indirect values", what);
         }
         self.points.check(&snapshot.points, "indirect")?;
-        let shape = [self.bounce_values.len(), snapshot.points.addresses.len(), sides, 3];
+        let shape = [self.bounce_values.len(), snapshot.points.addresses.len(), faces, 3];
         check_length("indirect values", snapshot.values.len(), &shape)?;
         check_finite("indirect values", &snapshot.values)?;
         if !(snapshot.hit_irradiance.is_finite() && snapshot.hit_irradiance >= 0.0) {
@@ -76,17 +78,17 @@ impl IndirectField {
         self.points.check_memory(new, bricks, self.costs(), self.max_memory)
     }
 
-    /// Adds what is not known; it has been checked.
+    /// Adds the new points of a snapshot that has been checked.
     fn merge(&mut self, snapshot: &IndirectSnapshot) {
-        let (count, one) = (snapshot.points.addresses.len(), 3 * self.faces.count());
+        let (count, stride) = (snapshot.points.addresses.len(), 3 * self.faces.count());
         let Self { points, bounce_values: levels, .. } = self;
         let before = points.len();
         points.merge(&snapshot.points, |i| {
             for (k, level) in levels.iter_mut().enumerate() {
-                level.extend(values(&snapshot.values[(k * count + i) * one..][..one]));
+                level.extend(values(&snapshot.values[(k * count + i) * stride..][..stride]));
             }
         });
-        // Of all that was gathered, the part of the points that are new: enough for an estimate.
+        // Take the part of the sum that new points have of all points: enough for an estimate.
         let part = (self.points.len() - before) as f64 / count.max(1) as f64;
         self.gather_hit_irradiance.0 += part * snapshot.hit_irradiance;
         self.gather_hit_irradiance.1 =

@@ -1,4 +1,4 @@
-//! The points of contents: copied, checked and taken in.
+//! The points of a snapshot: copied, checked and merged.
 
 use std::collections::HashSet;
 
@@ -10,12 +10,12 @@ use crate::direct::encoding::{check_length, refuse};
 use crate::mesh::{Address, BrickMask, Clearance, LatticeShape, Points, Slot, lattice, requests};
 
 impl Points {
-    /// How many there are.
+    /// Returns how many points there are.
     pub(crate) fn cursor(&self) -> PointCursor {
         PointCursor { valid: self.len(), invalid: self.invalid_addresses().len() }
     }
 
-    /// Those since `counts`.
+    /// Copies the points since `cursor`.
     pub(crate) fn snapshot_since(&self, cursor: PointCursor) -> PointSnapshot {
         let plain = |&Address { level, coordinate: c }: &Address| [level, c.x, c.y, c.z];
         let first = cursor.valid.min(self.len());
@@ -28,7 +28,7 @@ impl Points {
         }
     }
 
-    /// Those of some bricks that are not empty, in order, and the indices of those that give light.
+    /// Copies the points of some bricks that are not empty, in order; also returns the indices of the valid ones.
     pub(super) fn snapshot_of(&self, bricks: &[BrickMask]) -> Result<(PointSnapshot, Vec<u32>), Error> {
         let mut snapshot = PointSnapshot { lattices: self.shapes().collect(), ..PointSnapshot::default() };
         let mut indices = Vec::new();
@@ -48,12 +48,14 @@ impl Points {
         Ok((snapshot, indices))
     }
 
+    /// Returns the lattice of each level.
     fn shapes(&self) -> impl Iterator<Item = LatticeShape> {
         (0..self.level_count()).map(|level| self.level(level).lattice.shape())
     }
 
-    /// Refuses points of other lattices, and such as lie on none.
+    /// Refuses points of other lattices, and points outside the lattices.
     pub(super) fn check(&self, snapshot: &PointSnapshot, field: &str) -> Result<(), Error> {
+        // Compare the lattices.
         let own: Vec<LatticeShape> = self.shapes().collect();
         if snapshot.lattices.len() != own.len() {
             let what =
@@ -61,7 +63,7 @@ impl Points {
             return refuse(format!("{field} lattices"), what);
         }
         for (level, (given, own)) in snapshot.lattices.iter().zip(&own).enumerate() {
-            // Bits: a NaN is no lattice of ours either.
+            // A NaN differs, too.
             if given != own {
                 let what = format!(
                     "is {:?} points of {} m from {:?}; this mesh has {:?} of {} m from {:?}",
@@ -70,13 +72,15 @@ impl Points {
                 return refuse(format!("{field} lattice, level {level}"), what);
             }
         }
+
+        // Check the arrays of points.
         check_length(&format!("{field} clearances"), snapshot.clearances.len(), &[snapshot.addresses.len()])?;
         for (array, addresses) in [("addresses", &snapshot.addresses), ("invalid points", &snapshot.invalid)] {
-            let lies_on_none = |&[level, i, j, k]: &[u32; 4]| {
+            let is_outside = |&[level, i, j, k]: &[u32; 4]| {
                 own.get(level as usize)
                     .is_none_or(|lattice| [i, j, k].iter().zip(lattice.size).any(|(&c, size)| c >= size))
             };
-            if let Some(i) = addresses.iter().position(lies_on_none) {
+            if let Some(i) = addresses.iter().position(is_outside) {
                 let [level, x, y, z] = addresses[i];
                 let what = format!("({x}, {y}, {z}) of level {level} is not on the lattice");
                 return refuse(format!("{field} {array}, point {i}"), what);
@@ -85,7 +89,7 @@ impl Points {
         Ok(())
     }
 
-    /// How many of some points are not known here, and how many bricks they need. They lie on the lattices.
+    /// Returns how many of the points are new here, and how many new bricks they need. They lie on the lattices.
     pub(super) fn count_new(&self, snapshot: &PointSnapshot) -> (usize, u64) {
         let (mut new, mut bricks) = (0, HashSet::new());
         for &address in snapshot.addresses.iter().chain(&snapshot.invalid) {
@@ -103,15 +107,15 @@ impl Points {
         (new, bricks.len() as u64)
     }
 
-    /// Adds those that are not known; `take` gets the place in `contents` of each that gives light.
-    pub(super) fn merge(&mut self, snapshot: &PointSnapshot, mut take: impl FnMut(usize)) {
+    /// Adds the points that are new; `push` gets the index in `snapshot` of each that is valid.
+    pub(super) fn merge(&mut self, snapshot: &PointSnapshot, mut push: impl FnMut(usize)) {
         let is_new =
             |points: &Self, address: Address| points.level(address.level).slot(address.coordinate) == Slot::Empty;
         for (i, (&address, &sides)) in snapshot.addresses.iter().zip(&snapshot.clearances).enumerate() {
             let address = from_plain(address);
             if is_new(self, address) {
                 self.insert(address, Some(Clearance::from_sides(sides)));
-                take(i);
+                push(i);
             }
         }
         for &address in &snapshot.invalid {

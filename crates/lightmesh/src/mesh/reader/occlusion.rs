@@ -1,4 +1,4 @@
-//! Which corners of its cell a surface point sees, where clearances do not tell.
+//! Rays that find out which corners of its cell a surface point sees, where clearances do not tell.
 
 use super::super::clearance::component;
 use super::super::corners::{corner, set_bits};
@@ -11,7 +11,7 @@ use crate::interaction::ShadingPoint;
 use crate::sampling::{hash, seed_of_place};
 
 impl Reader<'_> {
-    /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
+    /// Returns those of the usable corners that the vertex sees, or one of them. Clearances say that some may be `occluded`.
     #[cold]
     pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
         match self.visibility {
@@ -24,8 +24,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
-    /// there is but one piece and nothing of it is hidden.
+    /// Traces a ray to each corner that may be occluded. Of the others, one ray to the heaviest decides about all of its
+    /// component, and none is traced if there is one component and nothing of it is hidden.
     fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
         let mut visible = self.trace_each(vertex, occluded);
         let mut rest = usable;
@@ -43,11 +43,13 @@ impl Reader<'_> {
         visible
     }
 
+    /// Returns those of some corners that the vertex sees, by a ray to each.
     pub(super) fn trace_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
         set_bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
-    /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
+    /// Traces rays to corners in random order until one is visible: among those that the vertex sees, each is returned with a
+    /// probability in proportion to its weight.
     fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
         let mut seed = seed_of_place(vertex.position);
         while corners != 0 {
@@ -61,7 +63,7 @@ impl Reader<'_> {
         0
     }
 
-    /// Whether nothing stands between the vertex and corner k.
+    /// Returns whether nothing stands between the vertex and corner k.
     fn sees(&mut self, vertex: &ShadingPoint, k: usize) -> bool {
         self.visibility_rays += 1;
         let point = self.level.lattice.point(corner(self.cell.coordinate, k));
@@ -69,13 +71,13 @@ impl Reader<'_> {
     }
 }
 
-/// One of the weighted things, of which there is at least one, in proportion to their weights.
+/// Returns one of the weighted items, of which there is at least one, in proportion to their weights.
 pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, seed: u32) -> T {
     let u = (hash(seed) >> 8) as f32 * (1.0 / (1 << 24) as f32);
     let mut rest = u * weighted.clone().map(|(_, weight)| weight).sum::<f32>();
     let mut last = None;
-    for (thing, weight) in weighted {
-        last = Some(thing);
+    for (item, weight) in weighted {
+        last = Some(item);
         rest -= weight;
         if rest < 0.0 {
             break;
@@ -88,7 +90,7 @@ pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, 
 mod tests {
     use super::*;
 
-    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; what weighs nothing never comes.
+    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; an item without weight is never chosen.
     #[test]
     fn choices_come_in_proportion_to_their_weights() {
         let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
