@@ -20,8 +20,8 @@ pub(crate) struct ExactShader {
 }
 
 impl ExactShader {
-    /// Returns Σ_i V_i φ2 E_i / φ3 over the lights of a cut: formula (2) with exact visibility, lux per channel; and the number of
-    /// shadow rays.
+    /// Returns Σ_i V_i φ2 E_i / φ3 over the lights of a cut: formula (2) with exact visibility, lux per channel; and
+    /// the number of shadow rays.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,

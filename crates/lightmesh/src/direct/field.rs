@@ -48,7 +48,8 @@ impl DirectField {
         self.points.stats(self.encoding.bytes() + self.lights.bytes())
     }
 
-    /// Returns what filling points takes. The memory of runs is not in it: it is checked when it is known.
+    /// Returns what filling points takes. The memory of runs is not in it: [`Self::check_memory_of_runs`]
+    /// checks that when they have been evaluated.
     pub(crate) fn costs(&self) -> Costs {
         Costs::kept(self.encoding.bytes_per_point())
     }

@@ -30,7 +30,7 @@ impl DirectField {
         if self.encoding.needs_probes() {
             rays.secondary = PROBE_RAYS * requested.len() as u64;
         }
-        // The number of runs is known only when points have been evaluated.
+        // The number of runs shows only when points have been evaluated.
         let together = if self.encoding.runs().is_some() { POINTS_WITH_RUNS } else { requested.len().max(1) };
         for requested in requested.chunks(together) {
             rays.shadow += self.evaluate(scene, requested)?;

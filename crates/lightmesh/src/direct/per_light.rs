@@ -1,20 +1,21 @@
 //! Direct light from the mesh's visibility of each single light, with shadow rays where that is not enough.
 //!
-//! Both methods begin with Σ_i V̂_i c_i, where c_i is the unshadowed light of light i (a term of formula (2)) and V̂_i in [0, 1] its
-//! visibility estimate from the mesh points around the surface. They differ in the rays that they trace:
+//! Both methods begin with Σ_i V̂_i c_i, where c_i is the unshadowed light of light i (a term of formula (2)) and V̂_i
+//! in [0, 1] its visibility estimate from the mesh points around the surface. They differ in the rays that they trace:
 //!
-//! - *hybrid*: a ray to every partial light, whose V̂_i is then replaced by V_i; of those that give little light only some, chosen by
-//!   how much a ray is expected to change (below), so that the others count without bias. The estimate of a certain light is kept,
-//!   unless the light is below the surface, beyond points that are hidden from it, or gives much of the light: what is thinner
-//!   than the mesh can be missed;
-//! - *unbiased*: K rays whatever the estimate is, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j) c_j / p_j is
-//!   added: the mesh is a control variate of light sampling, and the expectation is the exact sum whatever V̂ is.
+//! - *hybrid*: a ray to every partial light, whose V̂_i is then replaced by V_i; of those that give little light only
+//!   some, chosen by how much a ray is expected to change (below), so that the others count without bias. The estimate
+//!   of a certain light is kept, unless the light is below the surface, beyond points that are hidden from it, or gives
+//!   much of the light: what is thinner than the mesh can be missed;
+//! - *unbiased*: K rays whatever the estimate is, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j)
+//!   c_j / p_j is added: the mesh is a control variate of light sampling, and the expectation is the exact sum whatever
+//!   V̂ is.
 //!
-//! Of many lights, light i may be a cluster (`region_visibility.rs`). A ray to it goes to one of its lights k, and c_k over the
-//! probability that k was chosen takes the place of c_i. *Unbiased* puts it where c_i is multiplied by V, and not where it is
-//! subtracted: the expectation is still the exact sum over all lights, whatever stands for the cluster. *Hybrid* puts it in both
-//! places: less noise (1.37 instead of 1.50% in the room of 10,000 lights, and `--error` needs no exact light there), and
-//! the error of the unshadowed sum stays.
+//! Of many lights, light i may be a cluster (`region_visibility.rs`). A ray to it goes to one of its lights k, and c_k
+//! over the probability that k was chosen takes the place of c_i. *Unbiased* puts it where c_i is multiplied by V, and
+//! not where it is subtracted: the expectation is still the exact sum over all lights, whatever stands for the cluster.
+//! *Hybrid* puts it in both places: less noise (1.37 instead of 1.50% in the room of 10,000 lights, and `--error` needs
+//! no exact light there), and the error of the unshadowed sum stays.
 
 mod control_variate;
 
@@ -33,10 +34,11 @@ use crate::world::Scene;
 /// Which lights get a shadow ray although the mesh has an estimate of their visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SamplingPolicy {
-    /// A partial light whose ray is expected to change this part of all light (unshadowed), or more, gets a ray, and the others
-    /// together one for each such part.
+    /// A partial light whose ray is expected to change this part of all light (unshadowed), or more, gets a ray, and
+    /// the others together one for each such part.
     pub step: f32,
-    /// A certain light that gives this part of all light or more gets a ray: in the open, and where something stands near.
+    /// A certain light that gives this part of all light or more gets a ray: in the open, and where something stands
+    /// near.
     pub always_above: [f32; 2],
     /// What happens to the other certain lights.
     pub agreement: TrustAgreement,
@@ -47,8 +49,8 @@ pub(crate) struct SamplingPolicy {
 pub(crate) enum TrustAgreement {
     /// It is, for certain lights that do not give much.
     Yes,
-    /// It is not: one ray for every [`SamplingPolicy::always_above`] of the light of certain lights. The expectation is exact, but
-    /// for the error of clusters.
+    /// It is not: one ray for every [`SamplingPolicy::always_above`] of the light of certain lights. The expectation is
+    /// exact, but for the error of clusters.
     Unbiased,
 }
 
@@ -71,8 +73,8 @@ pub(super) struct PerLightShader {
     queue: Vec<QueuedRay>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
-    /// The choices of *unbiased*, each with a number in proportion to its probability: first the certain lights of each block
-    /// together, then `singles`.
+    /// The choices of *unbiased*, each with a number in proportion to its probability: first the certain lights of each
+    /// block together, then `singles`.
     contributions: Vec<f32>,
     singles: Vec<SingleLight>,
 }
@@ -105,11 +107,11 @@ struct ShadowRequest<'a> {
 /// How the lights of a cluster are chosen, if the light of a request is one.
 #[derive(Clone, Copy, Debug)]
 enum ClusterSampling {
-    /// One light, by the k-th random number for its node. Its own light takes the place of the cluster's where that is multiplied
-    /// by V, without bias.
+    /// One light, by the k-th random number for its node. Its own light takes the place of the cluster's where that is
+    /// multiplied by V, without bias.
     One { k: u32 },
-    /// About so many lights. Their own light takes the place of the cluster's for V and for V̂: no noise where V is as expected,
-    /// and the error of the cluster's unshadowed light stays.
+    /// About so many lights. Their own light takes the place of the cluster's for V and for V̂: no noise where V is as
+    /// expected, and the error of the cluster's unshadowed light stays.
     Some { rays: f32 },
 }
 
@@ -152,7 +154,8 @@ impl Shaded<'_> {
 }
 
 impl PerLightShader {
-    /// Returns Σ V̂_i c_i, lux per channel, less what the queued rays will replace; [`PerLightShader::trace`] adds what they find.
+    /// Returns Σ V̂_i c_i, lux per channel, less what the queued rays will replace; [`PerLightShader::trace`] adds what
+    /// they find.
     #[inline(always)]
     pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, policy: SamplingPolicy) -> Vec3 {
         // Sum what is certain, and all light without shadows.
@@ -207,8 +210,8 @@ impl PerLightShader {
                 sum -= self.queue_shadow_ray(shaded, request);
             }
 
-            // Queue a ray to each certain light that gives much; where agreement is not trusted, of the others one for each
-            // such part of the light.
+            // Queue a ray to each certain light that gives much; where agreement is not trusted, of the others one for
+            // each such part of the light.
             let giving = block.giving(simd, always_above) & !singles;
             if giving == 0 && certain <= next_certain {
                 next_certain -= certain;
@@ -243,9 +246,9 @@ impl PerLightShader {
         sum
     }
 
-    /// Queues a ray whose result will be weight · (V − expected) in the mean; to a cluster, rays to some of its lights j, each
-    /// chosen with a probability p_j, with c_j scale / p_j in place of the weight. Returns what is to be subtracted from the sum
-    /// at once: weight · expected, where the rays only bring weight · V.
+    /// Queues a ray whose result will be weight · (V − expected) in the mean; to a cluster, rays to some of its lights
+    /// j, each chosen with a probability p_j, with c_j scale / p_j in place of the weight. Returns what is to be
+    /// subtracted from the sum at once: weight · expected, where the rays only bring weight · V.
     #[inline(always)]
     fn queue_shadow_ray(&mut self, shaded: &Shaded<'_>, request: ShadowRequest<'_>) -> Vec3 {
         let ShadowRequest { block, first_lane, i, weight, scale, expected, in_cluster } = request;
@@ -296,7 +299,8 @@ impl PerLightShader {
         self.rays.len() >= RAYS
     }
 
-    /// Traces the queued rays and adds what they find to the irradiance of their surfaces, lux; returns how many they were.
+    /// Traces the queued rays and adds what they find to the irradiance of their surfaces, lux; returns how many they
+    /// were.
     pub(super) fn trace(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
         for (&QueuedRay { weight, expected, surface }, &v) in self.queue.iter().zip(&self.visible) {

@@ -1,22 +1,23 @@
-//! How a picture's surfaces take their light: what the method says, or what keeps the error within its bound.
+//! The lighting plan: how a picture's surfaces get their light, by the method, or so that the error stays within its
+//! bound.
 
 use super::per_light::SamplingPolicy;
 use crate::mesh::CornerVisibility;
 use crate::sampling::hash;
 use crate::{Method, RenderOptions};
 
-/// How surfaces take their light.
+/// How surfaces get their light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LightingPlan {
-    /// Direct light of what the camera sees.
+    /// Direct light of primary hits.
     pub primary: Shading,
     /// Direct light where gather rays end: only the sum counts.
     pub gather: Shading,
-    /// Indirect light of what the camera sees.
+    /// Indirect light of primary hits.
     pub indirect: Indirect,
 }
 
-/// How surfaces take their direct light.
+/// How surfaces get their direct light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Shading {
     /// A shadow ray to every light sample.
@@ -29,7 +30,7 @@ pub(crate) enum Shading {
     Unbiased { rays: u32, seed: u32 },
 }
 
-/// How surfaces take their indirect light.
+/// How surfaces get their indirect light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Indirect {
     /// From the indirect mesh: formula (6).
@@ -44,18 +45,18 @@ pub(crate) enum Indirect {
 }
 
 impl Shading {
-    /// Light by light, seeded as the options say.
+    /// Returns shading light by light with the seed of the options.
     pub(crate) fn per_light(policy: SamplingPolicy, options: &RenderOptions) -> Self {
         Self::PerLight { policy, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
     }
 }
 
 impl LightingPlan {
-    /// What the method says.
+    /// Returns the plan of the method.
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
         let unbiased = |rays| Shading::Unbiased { rays, seed };
-        let (seen, gathered) = match options.method {
+        let (primary, gather) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
             Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
             Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
@@ -66,20 +67,21 @@ impl LightingPlan {
             Method::Unbiased => Indirect::Unbiased { rays: options.rays, seed: options.seed },
             _ => Indirect::Mesh,
         };
-        Self { primary: seen, gather: gathered, indirect }
+        Self { primary, gather, indirect }
     }
 
-    /// The same with other random numbers: what a choice is made by must not be what is chosen for, or the choice has a bias.
+    /// Returns the plan with other random numbers: samples by which something is chosen must not be used again in the
+    /// result, or that has a bias.
     pub(crate) fn reseeded(self) -> Self {
-        let seen = match self.primary {
+        let primary = match self.primary {
             Shading::Exact | Shading::MeanVisibility => self.primary,
             Shading::PerLight { policy: care, seed } => Shading::PerLight { policy: care, seed: hash(!seed) },
             Shading::Unbiased { rays, seed } => Shading::Unbiased { rays, seed: hash(!seed) },
         };
-        Self { primary: seen, ..self }
+        Self { primary, ..self }
     }
 
-    /// Returns how vertices that read the mesh like this take their direct light.
+    /// Returns how vertices that read the mesh like this get their direct light.
     pub(super) fn shading(&self, visibility: CornerVisibility) -> Shading {
         match visibility {
             CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,

@@ -22,7 +22,8 @@ pub(super) struct PointLights<'a> {
     shadow: VisibilityScratch,
 }
 
-/// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of it.
+/// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointLight {
     pub intensity: Vec3,

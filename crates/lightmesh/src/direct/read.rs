@@ -92,8 +92,8 @@ impl DirectReader<'_> {
         with_missing(rule, share, reading)
     }
 
-    /// Returns the part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated.
-    /// 0 where [`DirectReader::read`] finds nothing.
+    /// Returns the part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been
+    /// evaluated. 0 where [`DirectReader::read`] finds nothing.
     pub(crate) fn usable_fraction(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
         let reads = match self.field.encoding {
             DirectEncoding::PerLight(_) => self.read_lights(vertex, marks) == LightsReading::Known,
@@ -108,8 +108,8 @@ impl DirectReader<'_> {
     }
 }
 
-/// Adds the missing corners to a reading of corners whose weights have the sum `share`: by the rule they count as visibility
-/// 0 or 1, or their weight is among the others' already.
+/// Adds the missing corners to a reading of corners whose weights have the sum `share`: by the rule they count as
+/// visibility 0 or 1, or their weight is among the others' already.
 fn with_missing(rule: MissingCorners, share: f32, reading: Reading) -> Reading {
     let missing = match rule {
         MissingCorners::Zero => Vec3::ZERO,

@@ -1,4 +1,5 @@
-//! Reading the direct field light by light: the visibility of single lights, or of clusters, at the points around a surface.
+//! Reading the direct field light by light: the visibility of single lights, or of clusters, at the points around a
+//! surface.
 
 use super::encoding::{DirectEncoding, LightStates, PerLight};
 use super::read::DirectReader;
@@ -21,8 +22,8 @@ pub(crate) enum LightsReading {
 }
 
 impl DirectReader<'_> {
-    /// Estimates the visibility of each light from the points of D_y; points that are still empty are marked. The field must have
-    /// been made for a method that keeps lights one by one.
+    /// Estimates the visibility of each light from the points of D_y; points that are still empty are marked. The field
+    /// must have been made for a method that keeps lights one by one.
     #[inline(always)]
     pub(crate) fn read_lights(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
         // Find the corners.

@@ -1,8 +1,9 @@
-//! Unshadowed light from many lights: regions of space, each with a cut through the light tree that all surface points in it share.
+//! Unshadowed light from many lights: regions of space, each with a cut through the light tree that all surface points
+//! in it share.
 //!
-//! A region is a cell of a regular grid over the scene's box. Its cut depends on region, scene and settings alone; it is made when
-//! a surface first needs it, and kept as node numbers, 4 B each: lights are packed into blocks when they are used, once for
-//! all vertices of a wave that lie in the region.
+//! A region is a cell of a regular grid over the scene's box. Its cut depends on region, scene and settings alone; it
+//! is made when a surface first needs it, and kept as node numbers, 4 B each: lights are packed into blocks when they
+//! are used, once for all vertices of a wave that lie in the region.
 
 use std::collections::HashMap;
 
@@ -45,14 +46,16 @@ pub(super) type Region = u64;
 
 impl RegionCuts {
     /// # Errors
-    /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into `options.max_memory`.
+    /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
+    /// `options.max_memory`.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
         let tree = match options.method.has_mesh() && options.light_error > 0.0 && many.contains(&samples.len()) {
             false => None,
             true => {
-                // Blocks of the packed lights, the front and its successor; their terms, and their states at some two hundred points.
+                // Blocks of the packed lights, the front and its successor; their terms, and their states at some two
+                // hundred points.
                 let bytes_per_light = if options.knows_lights() { 256 } else { 128 };
                 let threads = rayon::current_num_threads() as u64;
                 let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
@@ -103,8 +106,8 @@ impl RegionCuts {
         }
     }
 
-    /// Returns the unshadowed irradiance per channel, lux, on surface points `(position, unit normal)`: Σ of formula (2). Cuts that
-    /// are made for it are kept.
+    /// Returns the unshadowed irradiance per channel, lux, on surface points `(position, unit normal)`: Σ of formula
+    /// (2). Cuts that are made for it are kept.
     pub(crate) fn irradiance(&mut self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
         let order = self.order(points);
         self.keep_cuts(falloff, &order);
@@ -122,8 +125,9 @@ impl RegionCuts {
         self.sum(scene, falloff, points, &self.order(points))
     }
 
-    /// Returns the tolerance of sums without shadows. Where lights are kept one by one, noise counted as at mesh points (0.3) would
-    /// bring 1.46 instead of 1.65% error (a room of 10,000 lights, `hybrid`, 1/80) with 2.5 times the memory, and take twice as long.
+    /// Returns the tolerance of sums without shadows. Where lights are kept one by one, noise counted as at mesh points
+    /// (0.3) would bring 1.46 instead of 1.65% error (a room of 10,000 lights, `hybrid`, 1/80) with 2.5 times the
+    /// memory, and take twice as long.
     fn tolerance(&self) -> Tolerance {
         Tolerance { error: self.error, shadows: 0.0 }
     }

@@ -1,4 +1,5 @@
-//! The lights of one region, nodes of its cut, and their states at mesh points, kept while surfaces are in the same region.
+//! The lights of one region, nodes of its cut, and their states at mesh points, kept while surfaces are in the same
+//! region.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -28,8 +29,8 @@ pub(crate) struct Clusters<'a> {
     tree: &'a LightTree,
     /// By lane: the node of the tree.
     nodes: &'a [u32],
-    /// By lane, 0 for single lights: the least light to expect of a cluster (lux, mean over the channels) at a surface that its
-    /// mean position does not shine on.
+    /// By lane, 0 for single lights: the least light to expect of a cluster (lux, mean over the channels) at a surface
+    /// that its mean position does not shine on.
     pub least: &'a [f32],
     /// By lane, 0 for single lights: how far a cluster's lights are from its mean position, metres.
     pub radii: &'a [f32],
@@ -64,9 +65,9 @@ impl Clusters<'_> {
     }
 }
 
-/// [`Clusters::least`] in units of the light that arrives at a surface that faces a cluster, times the cluster's radius over its
-/// distance. A plane that cuts a cluster receives its lights at cosines up to twice that ratio; some must be expected wherever
-/// light may arrive, or sampling in proportion to the light would have a bias. Empirical, not varied.
+/// [`Clusters::least`] in units of the light that arrives at a surface that faces a cluster, times the cluster's radius
+/// over its distance. A plane that cuts a cluster receives its lights at cosines up to twice that ratio; some must be
+/// expected wherever light may arrive, or sampling in proportion to the light would have a bias. Empirical, not varied.
 const LEAST: f32 = 0.125;
 
 /// That ratio is at least this: lights at one position may shine in different ways.

@@ -19,8 +19,8 @@ use crate::progress::Reporter;
 use crate::sampling::seed_of_place;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
-/// The least number of shadow rays of *unbiased* to clusters, from a surface without a usable mesh point. Empirical, not varied:
-/// there are few.
+/// The least number of shadow rays of *unbiased* to clusters, from a surface without a usable mesh point. Empirical,
+/// not varied: there are few.
 const FALLBACK_RAYS: u32 = 64;
 
 /// Vertices and their direct irradiance; buffers are kept from use to use.
@@ -51,8 +51,8 @@ impl ShadingBatch {
         self.waiting.clear();
     }
 
-    /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that receive any light wait to be
-    /// shaded.
+    /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that receive any light
+    /// wait to be shaded.
     fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
         let vertices = self.vertices.iter().map(|vertex| (vertex.position, vertex.n));
         scene.lights().irradiance(scene.simd_level(), falloff, vertices, &mut self.direct);
@@ -81,8 +81,8 @@ impl ShadingBatch {
         self.waiting.extend(0..self.vertices.len() as u32);
     }
 
-    /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
-    /// waiting.
+    /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them
+    /// and go on waiting.
     fn shade_by_mesh(&mut self, context: MeshContext<'_>) {
         let MeshContext { scene, falloff, field, marks, visibility } = context;
         let mut reader = field.reader(scene, visibility);
@@ -222,8 +222,8 @@ pub(crate) struct DirectLighting<'a, 'b> {
 }
 
 impl DirectLighting<'_, '_> {
-    /// Computes the direct light at every vertex of the batches; the mesh is filled as far as they need it. Rays of the fill
-    /// are added to the frame's; those of the rest stay with the batches.
+    /// Computes the direct light at every vertex of the batches; the mesh is filled as far as they need it. Rays of the
+    /// fill are added to the frame's; those of the rest stay with the batches.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].

@@ -1,8 +1,8 @@
 //! The visibility estimate V̂ of each light at a surface, from the states that the mesh points around it have.
 //!
-//! A light is *certain* where all points agree: all of it arrives at each of them, or none of it. It is *partial* where they
-//! differ or one of them cannot tell; V̂ then is the weighted mean over the points. Sets of points are bit masks, in which point i
-//! of a list, or corner i of a cell, has bit i.
+//! A light is *certain* where all points agree: all of it arrives at each of them, or none of it. It is *partial* where
+//! they differ or one of them cannot tell; V̂ then is the weighted mean over the points. Sets of points are bit masks,
+//! in which point i of a list, or corner i of a cell, has bit i.
 
 use glam::{Vec3, Vec4};
 
@@ -180,8 +180,8 @@ impl VisibilityEstimate {
         &self.partial
     }
 
-    /// Returns V̂ of the light of a partial lane, by its number: the weighted mean over the points, a half for those that
-    /// cannot tell.
+    /// Returns V̂ of the light of a partial lane, by its number: the weighted mean over the points, a half for those
+    /// that cannot tell.
     #[inline(always)]
     pub(crate) fn estimate(&self, number: usize) -> f32 {
         let PointMasks { visible, possible } = self.masks[number];
@@ -231,7 +231,8 @@ mod tests {
         assert_eq!(estimate.certain[..4], [1.0, 0.0, 0.0, 0.0]);
     }
 
-    /// The same two points as corners 1 and 6 of a cell; then corner 6 alone: it sees lane 0 and cannot tell about lane 3.
+    /// The same two points as corners 1 and 6 of a cell; then corner 6 alone: it sees lane 0 and cannot tell about lane
+    /// 3.
     #[test]
     fn corners_give_the_same_estimate_as_points() {
         let bits = two_points();

@@ -1,10 +1,10 @@
-//! The light mesh: illumination at points of a lattice in space, computed when a surface first asks for it.
+//! The light mesh: illumination at points of a lattice in space, computed when a surface first reads it.
 //!
-//! There are two: the direct field keeps visibility, the indirect one, coarser, keeps irradiance. A frame uses each in three steps,
-//! each a plain parallel loop: demand (readers mark the points that hits read and that are still empty), fill ([`DirectField::fill`]
-//! and [`IndirectField::fill`] evaluate them in brick order), and shade (readers interpolate). The reader of the first step is that
-//! of the last: where no point is empty, it shades at once. A point's value depends on the scene, the settings and the point alone,
-//! and not on the surface that reads it first.
+//! There are two: the direct field keeps visibility, the indirect one, coarser, keeps irradiance. A frame uses each in
+//! three steps, each a plain parallel loop: demand (readers mark the points that hits read and that are still empty),
+//! fill ([`DirectField::fill`] and [`IndirectField::fill`] evaluate them in brick order), and shade (readers
+//! interpolate). The reader of the first step is that of the last: where no point is empty, it shades at once. A
+//! point's value depends on the scene, the settings and the point alone, and not on the surface that reads it first.
 
 mod prefill;
 mod snapshot;
@@ -18,9 +18,10 @@ use crate::indirect::IndirectField;
 use crate::mesh::{Interpolator, Lattice, Marks, PointRequests, requests};
 use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
-/// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one choice of method,
-/// spacings, falloff, interpolation, weights, refinement, light error, gather rays, depth and seed. Cameras, picture sizes and
-/// sample counts may change from frame to frame, and so may the number of bounces, up to that of the options they were made with.
+/// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one choice
+/// of method, spacings, falloff, interpolation, weights, refinement, light error, gather rays, depth and seed. Cameras,
+/// picture sizes and sample counts may change from frame to frame, and so may the number of bounces, up to that of the
+/// options they were made with.
 #[derive(Debug)]
 pub struct LightMesh {
     spacings: [Spacing; 2],
@@ -45,8 +46,8 @@ impl LightMesh {
     /// Makes empty meshes over the scene's box.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would not
-    /// fit into `options.max_memory`.
+    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would
+    /// not fit into `options.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         // Choose the lattices of a mesh, the coarsest level first.
         options.validate()?;
@@ -54,7 +55,7 @@ impl LightMesh {
         let indirect_auto = auto_indirect(options);
         let lattices = |option, spacing, auto| {
             let bounds = scene.bounds();
-            // A scene may be a single point of a user's shape: any spacing serves it.
+            // A scene may be a single point of a user's shape: any spacing will do.
             let longest = bounds.size().max_element().max(1e-20);
             let spacing = match spacing {
                 Spacing::Auto => longest / auto,
@@ -159,8 +160,8 @@ impl LightMesh {
         self.indirect.is_some()
     }
 
-    /// Returns how many levels the meshes may have. Which points of a finer level a picture needs may only be found when those of the
-    /// coarser one have been evaluated.
+    /// Returns how many levels the meshes may have. Which points of a finer level a picture needs may only be found
+    /// when those of the coarser one have been evaluated.
     pub fn level_count(&self) -> u32 {
         let indirect = self.indirect.as_ref().map_or(0, |field| field.points().level_count());
         self.direct.points().level_count().max(indirect)

@@ -1,5 +1,5 @@
-//! Filling the meshes ahead of use: all points of a box, or all that meters at some positions may read. No picture depends on it:
-//! it only takes less time afterwards.
+//! Filling the meshes ahead of use: all points of a box, or all that meters at some positions may read. No picture
+//! depends on it: it only takes less time afterwards.
 
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
@@ -16,14 +16,15 @@ const DIRECT_AT_ONCE: usize = 1 << 14;
 const INDIRECT_AT_ONCE: usize = 1 << 11;
 
 impl LightMesh {
-    /// Evaluates every point of both meshes, on their coarsest level, that lies in a box (metres, clipped to the lattices), and all
-    /// points that the indirect ones depend on. Points that have been evaluated before are left as they are. Surfaces in a box read
-    /// points up to a spacing beyond it.
+    /// Evaluates every point of both meshes, on their coarsest level, that lies in a box (metres, clipped to the
+    /// lattices), and all points that the indirect ones depend on. Points that have been evaluated before are left as
+    /// they are. Surfaces in a box read points up to a spacing beyond it.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for options out of range, a method without a mesh or options that the mesh was not made for,
-    /// [`Error::OutOfMemory`] before anything is evaluated if the points would not fit, and later if those that the indirect
-    /// points depend on would not fit, [`Error::Cancelled`] soon after `progress` cancels. Points that have been evaluated stay.
+    /// [`Error::InvalidOption`] for options out of range, a method without a mesh or options that the mesh was not made
+    /// for, [`Error::OutOfMemory`] before anything is evaluated if the points would not fit, and later if those that
+    /// the indirect points depend on would not fit, [`Error::Cancelled`] soon after `progress` cancels. Points that
+    /// have been evaluated stay.
     pub fn prefill_box(
         &mut self,
         scene: &Scene,
@@ -38,8 +39,8 @@ impl LightMesh {
         })
     }
 
-    /// Evaluates every point that meters at these positions (metres) read, whichever way they face, and all points that the indirect
-    /// ones depend on. Positions outside the scene's box are skipped.
+    /// Evaluates every point that meters at these positions (metres) read, whichever way they face, and all points that
+    /// the indirect ones depend on. Positions outside the scene's box are skipped.
     ///
     /// # Errors
     /// As [`LightMesh::prefill_box`].

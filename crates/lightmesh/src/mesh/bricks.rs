@@ -1,8 +1,8 @@
 //! Storage: which points are filled, and where their values are.
 //!
 //! A dense table has one entry per brick of the lattice, a brick has one 32-bit slot per point, and a slot leads to the
-//! point's values in one array that holds nothing else: an empty brick costs 4 bytes, one with a point 2 KiB, a filled point
-//! its values.
+//! point's values in one array that holds nothing else: an empty brick costs 4 bytes, one with a point 2 KiB, a filled
+//! point its values.
 
 use glam::UVec3;
 

@@ -1,8 +1,8 @@
 //! Clearance: how far the next surface is from a mesh point along each axis, up to the neighbouring points.
 //!
-//! Six numbers per point, found by six short rays, tell readers which corners of a cell see each other and whether something
-//! stands between a corner and the surface that reads it: nothing leaks through a wall, and no pixel needs a ray for that
-//! unless its own cell is divided.
+//! Six numbers per point, found by six short rays, tell readers which corners of a cell see each other and whether
+//! something stands between a corner and the surface that reads it: nothing leaks through a wall, and no pixel needs a
+//! ray for that unless its own cell is divided.
 
 use glam::{Vec3, Vec4};
 
@@ -51,8 +51,8 @@ pub(super) fn distances(corners: &[Clearance; 8], side: usize) -> ByCorner {
     [0, 4].map(|z| Vec4::from_array(std::array::from_fn(|k| f32::from(corners[z + k].0[side]))))
 }
 
-/// Returns the corners that have surfaces near on four sides or more, as points inside something thin have: their clearances do
-/// not tell what is around it.
+/// Returns the corners that have surfaces near on four sides or more, as points inside something thin have: their
+/// clearances do not tell what is around it.
 pub(super) fn boxed_in(corners: &[Clearance; 8]) -> u8 {
     let is_boxed_in = |k: usize| corners[k].0[Clearance::FREE_SIDES].count_ones() <= 2;
     (0..8).map(|k| u8::from(is_boxed_in(k)) << k).sum()
@@ -72,7 +72,8 @@ pub(crate) fn free_edges(corners: &[Clearance; 8]) -> FreeEdges {
     std::array::from_fn(|axis| free[2 * axis] & (free[2 * axis + 1] >> (1 << axis)) & LOWER[axis])
 }
 
-/// Returns the transpose of a matrix of 8 × 8 bits, a row per byte (Warren, "Hacker's Delight", 2nd edition, section 7-3).
+/// Returns the transpose of a matrix of 8 × 8 bits, a row per byte (Warren, "Hacker's Delight", 2nd edition, section
+/// 7-3).
 fn transpose(mut x: u64) -> u64 {
     for (shift, mask) in [(7, 0x00aa_00aa_00aa_00aa), (14, 0x0000_cccc_0000_cccc), (28, 0x0000_0000_f0f0_f0f0)] {
         let t = (x ^ (x >> shift)) & mask;
@@ -81,8 +82,8 @@ fn transpose(mut x: u64) -> u64 {
     x
 }
 
-/// Returns the corners of `mask` that free edges between corners of `mask` connect with its lowest one. `mask` must not be
-/// empty.
+/// Returns the corners of `mask` that free edges between corners of `mask` connect with its lowest one. `mask` must not
+/// be empty.
 #[inline(always)]
 pub(super) fn component(free_edges: &FreeEdges, mask: u8) -> u8 {
     let mut reached = mask & mask.wrapping_neg();
@@ -105,16 +106,16 @@ pub(super) fn blocked(corners: &[Clearance; 8], mask: u8) -> u8 {
     set_bits(mask).fold(0, |blocked, k| blocked | !corners[k].0[Clearance::FREE_SIDES]) & 0b11_1111
 }
 
-/// How much nearer than the reader's plane something must be to stand before it, in 1/255 of the spacing: a tenth of the
-/// spacing. Surfaces that are not quite flat stay below it. Measured on Sponza with 25 lights: a fortieth takes a quarter more
-/// rays, nine in ten of which find nothing.
+/// How much nearer than the reader's plane something must be to stand before it, in 1/255 of the spacing: a tenth of
+/// the spacing. Surfaces that are not quite flat stay below it. Measured on Sponza with 25 lights: a fortieth takes a
+/// quarter more rays, nine in ten of which find nothing.
 const PLANE_SLACK: f32 = 25.0;
 
 /// How much nearer than the reader itself, in the same unit: rounding.
 const SLACK: f32 = 4.0;
 
-/// Returns the corners that, towards `side` of the cell, have a surface before the plane of normal `ng` above which they have
-/// these `heights`, in spacings. [`occluded`] is a subset of it for every reader on the plane.
+/// Returns the corners that, towards `side` of the cell, have a surface before the plane of normal `ng` above which
+/// they have these `heights`, in spacings. [`occluded`] is a subset of it for every reader on the plane.
 #[inline(always)]
 pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, distances: &ByCorner) -> u8 {
     let approach = if side & 1 == 0 { -ng[side / 2] } else { ng[side / 2] };
@@ -123,8 +124,8 @@ pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, distances:
     before[0] | before[1] << 4
 }
 
-/// Returns how far the plane is along an axis on which it comes nearer by `approach` per spacing, in 1/255 of the spacing, less
-/// the slack.
+/// Returns how far the plane is along an axis on which it comes nearer by `approach` per spacing, in 1/255 of the
+/// spacing, less the slack.
 #[inline(always)]
 fn reach(approach: f32, heights: Vec4) -> Vec4 {
     if approach > 0.0 { heights * (255.0 / approach) - PLANE_SLACK } else { Vec4::INFINITY }
@@ -132,9 +133,9 @@ fn reach(approach: f32, heights: Vec4) -> Vec4 {
 
 /// Returns the corners that have something before the reader along axis `axis`: of the `upper` four or the lower four.
 ///
-/// The reader is `d` away from them along the axis (with its sign) and lies on a plane of normal component `slope` along it,
-/// above which the corners have these `heights`, all in spacings. `distances` gives the clearances of the corners towards a side.
-/// A surface that is nearer than both the reader and its plane may hide the reader.
+/// The reader is `d` away from them along the axis (with its sign) and lies on a plane of normal component `slope`
+/// along it, above which the corners have these `heights`, all in spacings. `distances` gives the clearances of the
+/// corners towards a side. A surface that is nearer than both the reader and its plane may hide the reader.
 #[inline(always)]
 pub(super) fn occluded(
     axis: usize,
@@ -191,8 +192,8 @@ mod tests {
         assert_eq!(component(&links, 0b0000_1001), 0b0000_0001);
     }
 
-    /// Corners 0.5 above a floor on which the reader lies: the floor itself hides nothing, a shelf 0.2 above it does; and a wall
-    /// between the reader and the corners beside it does, and one behind the reader does not.
+    /// Corners 0.5 above a floor on which the reader lies: the floor itself hides nothing, a shelf 0.2 above it does;
+    /// and a wall between the reader and the corners beside it does, and one behind the reader does not.
     #[test]
     fn a_surface_between_corner_and_reader_occludes() {
         let heights = [Vec4::splat(0.5); 2];

@@ -1,8 +1,8 @@
 //! The regular lattice: where mesh points are, and which brick holds them.
 //!
-//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point
-//! (i, j, k) is in brick (i / 8, j / 8, k / 8) at index `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has
-//! the index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
+//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point (i, j,
+//! k) is in brick (i / 8, j / 8, k / 8) at index `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has the
+//! index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
 //! 1 + 5 (0 + 3 · 2) = 31, at index 1 + 8 · 2 + 64 · 1 = 81.
 
 use glam::{DVec3, UVec3, Vec3};
@@ -14,8 +14,9 @@ use crate::geometry::Aabb;
 /// A lattice coordinate: every component below 2²⁹.
 pub(crate) type Coordinate = UVec3;
 
-/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
-/// planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰ cells lie along it.
+/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls
+/// on lattice planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰
+/// cells lie along it.
 pub(super) const ON_SURFACE: f32 = 1.0 / 1024.0;
 
 /// Most cells along an axis: f32 positions then keep a hundredth of a cell (2⁻²⁴ · 2¹⁷ = 1/128).
@@ -43,13 +44,14 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
-    /// through points, and go on `reach` cells beyond on every side.
+    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not
+    /// cut through points, and go on `reach` cells beyond on every side.
     ///
     /// `option` names the spacing in messages.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if the table of bricks would not fit, [`Error::InvalidOption`] for too many points along an axis.
+    /// [`Error::OutOfMemory`] if the table of bricks would not fit, [`Error::InvalidOption`] for too many points along
+    /// an axis.
     pub(crate) fn new(
         option: &'static str,
         bounds: &Aabb,
@@ -118,19 +120,20 @@ impl Lattice {
         self.origin + coordinate.as_vec3() * self.spacing
     }
 
-    /// Returns the lower corner of the cell that holds `p`, and the position of p in the cell, each component in [0, 1]; a point
-    /// outside the lattice counts as the nearest one inside.
+    /// Returns the lower corner of the cell that holds `p`, and the position of p in the cell, each component in [0,
+    /// 1]; a point outside the lattice counts as the nearest one inside.
     #[inline(always)]
     pub(crate) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
         let (cell, x) = self.cell_and_position(p);
         (cell, x.clamp(Vec3::ZERO, Vec3::ONE))
     }
 
-    /// Returns the same cell, and the position of p from its lower corner, in spacings, also where that is outside the cell.
+    /// Returns the same cell, and the position of p from its lower corner, in spacings, also where that is outside the
+    /// cell.
     #[inline(always)]
     pub(super) fn cell_and_position(&self, p: Vec3) -> (Coordinate, Vec3) {
-        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count to the upper
-        // side, as do those less than 1e-4 below it.
+        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count
+        // to the upper side, as do those less than 1e-4 below it.
         const ROUND: f32 = (3 << 22) as f32;
         const HALF: f32 = 0.5 - 1e-4;
         let x = (p - self.origin) * self.inv_spacing;
@@ -181,8 +184,8 @@ pub(crate) fn split(coordinate: Coordinate) -> (UVec3, usize) {
     (coordinate >> 3, (local.x + 8 * local.y + 64 * local.z) as usize)
 }
 
-/// The lattice of one level of a mesh. Point (i, j, k) lies at `origin + spacing · (i, j, k)`, with i in 0..size\[0\] and so on.
-/// Computed in f32 as written, component by component, this is the mesh's own position, bit for bit.
+/// The lattice of one level of a mesh. Point (i, j, k) lies at `origin + spacing · (i, j, k)`, with i in 0..size\[0\]
+/// and so on. Computed in f32 as written, component by component, this is the mesh's own position, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeShape {
     /// Point (0, 0, 0), metres.

@@ -1,4 +1,5 @@
-//! Marks: the points that have been requested and are still empty, as bits that many threads set and one reads in order.
+//! Marks: the points that have been requested and are still empty, as bits that many threads set and one reads in
+//! order.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};

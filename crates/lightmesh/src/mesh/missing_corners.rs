@@ -1,10 +1,10 @@
-//! The paper's trilinear neighbourhood, figs. 10-11: the cell that a surface point is in, and rules for the corners of it that are
-//! missing because they are behind the surface or inside a solid.
+//! The paper's trilinear interpolation, figs. 10-11: the cell that a surface point is in, and rules for the corners of
+//! it that are missing because they are behind the surface or inside a solid.
 //!
 //! > Ĩ(y) = Σ_{k present} w_k Ĩ_k + Σ_{k missing} w_k m_k,
 //!
-//! w_k the trilinear weights, m_k the rule's value: 0, 1, or the Ĩ of a corner that is present. In the last case weight moves from
-//! corner to corner; in the first two the sum of the weights is less than 1, and the reader adds the rest.
+//! w_k the trilinear weights, m_k the rule's value: 0, 1, or the Ĩ of a corner that is present. In the last case weight
+//! moves from corner to corner; in the first two the sum of the weights is less than 1, and the reader adds the rest.
 
 use glam::Vec3;
 
@@ -17,12 +17,12 @@ use super::stencil::{Stencil, stencil};
 use crate::MissingCorners;
 use crate::interaction::ShadingPoint;
 
-/// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so that a
-/// surface on a lattice plane has the cell before it, not the one behind.
+/// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so
+/// that a surface on a lattice plane has the cell before it, not the one behind.
 const OFFSET: f32 = ON_SURFACE;
 
-/// Visits (index, weight) of the corners of the vertex' cell that are present, with the weights that the rule moves to them. If any
-/// is still empty it visits none and marks the empty ones.
+/// Visits (index, weight) of the corners of the vertex' cell that are present, with the weights that the rule moves to
+/// them. If any is still empty it visits none and marks the empty ones.
 pub(super) fn read_with(
     level: &RefinementLevel,
     rule: MissingCorners,
@@ -32,7 +32,7 @@ pub(super) fn read_with(
 ) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
-    let is = |k: &usize, wanted: fn(Slot) -> bool| wanted(slots[*k]);
+    let is = |k: &usize, condition: fn(Slot) -> bool| condition(slots[*k]);
     let mut empty = false;
     for k in set_bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
         mark(corner(stencil.cell, k));
@@ -92,7 +92,8 @@ fn longest_axis(n: Vec3) -> usize {
     if n.x >= n.y && n.x >= n.z { 0 } else { 1 + usize::from(n.z > n.y) }
 }
 
-/// Returns which of some corners, at least one, is nearest to the position that the weights are of; the first of equals.
+/// Returns which of some corners, at least one, is nearest to the position that the weights are of; the first of
+/// equals.
 fn nearest(stencil: &Stencil, corners: u8) -> usize {
     // Trilinear weights are products, and their sums over a face are the coordinates.
     let position = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
@@ -139,7 +140,7 @@ mod tests {
         }
         let nearest = weights_by_rule(MissingCorners::Nearest, &stencil, &vertex, present);
         assert!(close(nearest[4], 0.8 + 0.2 * 0.42) && close(nearest[7], 0.2 * 0.12), "{nearest:?}");
-        // One of the mirrored corners is missing, too: the nearest of those that are left takes what both had.
+        // One of the mirrored corners is missing, too: the nearest of those that are left gets the weight of both.
         let mirrored = weights_by_rule(MissingCorners::Mirror, &stencil, &vertex, 0b1110_0000);
         assert!(close(mirrored[6], 0.28 + 0.42) && close(mirrored[5], 0.18), "{mirrored:?}");
     }

@@ -1,5 +1,5 @@
-//! The points of one mesh: where they are, their states and their clearances. Values are kept by the fields, under the same
-//! index.
+//! The points of one mesh: where they are, their states and their clearances. Values are kept by the fields, under the
+//! same index.
 
 use std::collections::HashSet;
 
@@ -166,9 +166,9 @@ impl Points {
         self.levels[level as usize].refine(cell);
     }
 
-    /// Lets each level take over from the one before in a sphere about the eye: from the first nearer than `metres`, from each that
-    /// follows nearer than half as much. Ends where the cells that `surface_points` have in the spheres would be more than
-    /// `max_cells`.
+    /// Lets each level take over from the one before in a sphere about the eye: from the first nearer than `metres`,
+    /// from each that follows nearer than half as much. Ends where the cells that `surface_points` have in the spheres
+    /// would be more than `max_cells`.
     pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, surface_points: &[Vec3], max_cells: u64) {
         let (mut cells, mut radius) = (0, metres);
         for level in 0..self.levels.len() - 1 {

@@ -25,8 +25,8 @@ const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, V
 /// Rays that [`probe`] traces.
 pub(crate) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 
-/// Returns the clearance of a point at `x` up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a
-/// surface.
+/// Returns the clearance of a point at `x` up to its neighbours, `spacing` away (metres); `None` if it is inside a
+/// solid or on a surface.
 pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
     if is_inside(scene, x, ON_SURFACE * spacing) {
         return None;
@@ -44,8 +44,8 @@ pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
     })))
 }
 
-/// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface, no farther
-/// than `near` metres from it.
+/// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface,
+/// no farther than `near` metres from it.
 fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {

@@ -9,13 +9,13 @@ use super::corners::ByCorner;
 pub(crate) enum CornerVisibility {
     /// It reads all that are visible: pixels are smooth.
     All,
-    /// It reads one visible corner, chosen in proportion to the weights: a ray or two. For the many hits of gather rays, of which
-    /// only the sum counts.
+    /// It reads one visible corner, chosen in proportion to the weights: a ray or two. For the many hits of gather
+    /// rays, of which only the sum counts.
     Stochastic,
-    /// It reads all in front of it, hidden or not: for shading light by light, which traces rays of its own where corners differ.
-    /// Only where the usable corners are a minority of those that the vertex wants to read does each get a ray. `finer`: on finer
-    /// levels, too, and not on the first one alone; gather rays must not do so, as the values that they bring to points must not
-    /// depend on where the picture refines the mesh.
+    /// It reads all in front of it, hidden or not: for shading light by light, which traces rays of its own where
+    /// corners differ. Only where the usable corners are a minority of those that the vertex should read does each get
+    /// a ray. `finer`: on finer levels, too, and not on the first one alone; gather rays must not do so, as the values
+    /// that they bring to points must not depend on where the picture refines the mesh.
     Deferred { finer: bool },
 }
 

@@ -34,11 +34,11 @@ pub(crate) struct Reader<'a> {
     /// Cells entered so far.
     visits: u64,
     visibility_rays: u64,
-    /// The corners that the last vertex wanted to read but cannot, a bit each.
+    /// The corners that the last vertex should read but cannot, a bit each.
     missing: u8,
     /// Whether the last vertex read the next level, too.
     blended: bool,
-    /// Whether something stands before the last vertex' plane in its cell; known only where visibility is deferred.
+    /// Whether something stands before the last vertex' plane in its cell; set only where visibility is deferred.
     near_occluder: bool,
     /// Reads the next level.
     finer: Option<Box<Self>>,
@@ -82,8 +82,8 @@ impl<'a> Reader<'a> {
         self.visibility_rays + self.finer.as_ref().map_or(0, |finer| finer.visibility_rays())
     }
 
-    /// Visits (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are marked
-    /// instead: marks are bits that are only ever set, so neither the order nor the thread matters.
+    /// Visits (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
+    /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
     pub(crate) fn read(
         &mut self,
@@ -130,7 +130,7 @@ impl<'a> Reader<'a> {
     #[inline(always)]
     fn read_cell(&mut self, vertex: &ShadingPoint, marks: &Marks, mut visit: impl FnMut(u32, f32)) -> ReadResult {
         let visible = match self.corners(vertex, marks) {
-            Ok(seen) => seen,
+            Ok(visible) => visible,
             Err(outcome) => return outcome,
         };
         if visible.refined > 0.0 {
@@ -142,8 +142,8 @@ impl<'a> Reader<'a> {
         ReadResult::Value
     }
 
-    /// Visits the visible corners of this level and those of the finer ones that take over from it (see [`RefinementLevel`]), with
-    /// weights of the sum `share`.
+    /// Visits the visible corners of this level and those of the finer ones that take over from it (see
+    /// [`RefinementLevel`]), with weights of the sum `share`.
     #[cold]
     fn blend(
         &mut self,
@@ -161,9 +161,9 @@ impl<'a> Reader<'a> {
         if visible.refined == 0.0 {
             return ReadResult::Value;
         }
-        let (scene, points, next, sight) = (self.scene, self.points, self.level_index + 1, self.visibility);
+        let (scene, points, next, visibility) = (self.scene, self.points, self.level_index + 1, self.visibility);
         self.blended = true;
-        let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, sight)));
+        let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, visibility)));
         match finer.corners(vertex, marks) {
             Ok(finest) => finer.blend(&finest, scale * visible.refined, vertex, marks, visit),
             Err(ReadResult::Unavailable) if visible.mask != 0 => ReadResult::Value,
@@ -171,8 +171,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns the corners of the vertex' cell that are visible from it. [`Self::visits`] tells whether it is another cell
-    /// than the last vertex'.
+    /// Returns the corners of the vertex' cell that are visible from it. [`Self::visits`] tells whether it is another
+    /// cell than the last vertex'.
     ///
     /// # Errors
     /// [`ReadResult::Unavailable`] or [`ReadResult::Pending`].
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
         self.visible(mask, &stencil, read, refined)
     }
 
-    /// Returns the corners of `mask`, for a vertex that wanted to read those of `read`.
+    /// Returns the corners of `mask`, for a vertex that should read those of `read`.
     #[inline(always)]
     fn visible(&mut self, mask: u8, stencil: &Stencil, read: u8, refined: f32) -> Result<VisibleCorners, ReadResult> {
         if mask == 0 {
@@ -243,15 +243,15 @@ impl<'a> Reader<'a> {
         self.visits
     }
 
-    /// Returns a mean direction, of any length, from the vertex that was read last to the corners that it wanted to read but
-    /// cannot, on all levels that it read: they are inside solids or hidden from it. Zero where there are none.
+    /// Returns a mean direction, of any length, from the vertex that was read last to the corners that it should read
+    /// but cannot, on all levels that it read: they are inside solids or hidden from it. Zero where there are none.
     #[inline(always)]
     pub(crate) fn towards_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
     }
 
-    /// Returns whether something stands before the plane of the vertex that was read last, in the cells that it read. Known only
-    /// where visibility is deferred.
+    /// Returns whether something stands before the plane of the vertex that was read last, in the cells that it read.
+    /// Computed only where visibility is deferred.
     pub(crate) fn has_near_occluder(&self) -> bool {
         self.near_occluder || self.finer.as_ref().is_some_and(|finer| self.blended && finer.has_near_occluder())
     }
@@ -286,8 +286,9 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Returns whether the usable corners are but the lesser part of what the vertex wants to read, the rest being inside
-/// solids. What lies across the edge of a wall or a solid then may be hidden though no wall crosses an edge of the cell.
+/// Returns whether the usable corners are but the lesser part of those that the vertex should read, the rest being
+/// inside solids. What lies across the edge of a wall or a solid then may be hidden though no wall crosses an edge of
+/// the cell.
 #[inline(always)]
 fn is_minority(stencil: &Stencil, read: u8, usable: u8) -> bool {
     read != usable && stencil.sum(usable) < MINORITY * stencil.sum(read)

@@ -1,15 +1,17 @@
 //! One level of a mesh: a lattice, the state of its points, and where the next level takes over.
 //!
-//! Level l has half the spacing of level l − 1. A point that is *refined* gives up its part of the interpolation: with trilinear
-//! weights w_k over the corners k of a cell,
+//! Level l has half the spacing of level l − 1. A point that is *refined* gives up its part of the interpolation: with
+//! trilinear weights w_k over the corners k of a cell,
 //!
 //! > E(y) = Σ_{k not refined} w_k E_k + (Σ_{k refined} w_k) E'(y),
 //!
-//! where E' is the next level's value at y, by the same rule. Weights are continuous and go to 0 where a corner leaves the cell, so
-//! there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a cell whose
-//! corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point needs no value.
+//! where E' is the next level's value at y, by the same rule. Weights are continuous and go to 0 where a corner leaves
+//! the cell, so there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a
+//! cell whose corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point
+//! needs no value.
 //!
-//! Points are refined one by one, where a picture's light needs it, and in a sphere about the eye, where the mesh is to be denser.
+//! Points are refined one by one, where a picture's light needs it, and in a sphere about the eye, where the mesh is to
+//! be denser.
 
 use std::collections::HashMap;
 

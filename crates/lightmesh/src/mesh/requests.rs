@@ -6,7 +6,8 @@ use super::points::Points;
 use crate::Error;
 
 /// A set of points in one brick of a mesh. Point (i, j, k) of the lattice is in brick (i / 8, j / 8, k / 8), at index
-/// (i mod 8) + 8 (j mod 8) + 64 (k mod 8). Brick (a, b, c) has the index a + bx (b + by c) in a lattice of bx × by × bz bricks.
+/// (i mod 8) + 8 (j mod 8) + 64 (k mod 8). Brick (a, b, c) has the index a + bx (b + by c) in a lattice of bx × by × bz
+/// bricks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BrickMask {
     /// The refinement level: how often the spacing has been halved.
@@ -29,8 +30,8 @@ impl BrickMask {
     }
 }
 
-/// The mesh points that a picture needs, for the meshes of direct and of indirect light. Each list has each brick once, ordered by
-/// level and brick.
+/// The mesh points that a picture needs, for the meshes of direct and of indirect light. Each list has each brick once,
+/// ordered by level and brick.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PointRequests {
     /// Points of the mesh of direct light.
@@ -118,8 +119,8 @@ pub(crate) fn for_each_point(
     mut visit: impl FnMut(u32, usize, usize, Slot),
 ) -> Result<(), Error> {
     for &BrickMask { level, brick, mask } in bricks {
-        let known = (level < points.level_count()).then(|| points.level(level));
-        let Some(level_points) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
+        let own = (level < points.level_count()).then(|| points.level(level));
+        let Some(level_points) = own.filter(|own| (brick as usize) < own.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
             return Err(Error::InvalidOption { option: "bricks", what });
         };

@@ -8,9 +8,10 @@ use super::lattice::{Coordinate, Lattice, ON_SURFACE, PointBlock};
 use crate::interaction::ShadingPoint;
 use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
-/// The trilinear reader reads at a position this far (cells) off the surface along its normal, so that a wall between lattice
-/// planes reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length, error against exact
-/// shadow rays: offset 0.25: 5.13 / 3.20%, 0.5: 5.04 / 2.95%, 0.75: 5.26 / 2.89% with 1.6 times as many points.
+/// The trilinear reader reads at a position this far (cells) off the surface along its normal, so that a wall between
+/// lattice planes reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length,
+/// error against exact shadow rays: offset 0.25: 5.13 / 3.20%, 0.5: 5.04 / 2.95%, 0.75: 5.26 / 2.89% with 1.6 times as
+/// many points.
 const NORMAL_OFFSET: f32 = 0.5;
 
 /// Corners with less weight are not read: the rest is renormalised, so the step is at most this part of the differences
@@ -37,8 +38,9 @@ pub(crate) struct SphereStencil {
 }
 
 impl SphereStencil {
-    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15
-    /// lights, points inside solids left out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1 13.8%.
+    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the
+    /// room of 15 lights, points inside solids left out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1
+    /// 13.8%.
     const PAPER_OFFSET: f32 = 0.6;
 }
 
@@ -60,7 +62,8 @@ impl Interpolator {
         }
     }
 
-    /// Returns the interpolator of the indirect field, which has no rules for missing corners: they are rules for visibility.
+    /// Returns the interpolator of the indirect field, which has no rules for missing corners: they are rules for
+    /// visibility.
     pub(crate) fn without_rules(self) -> Self {
         if matches!(self, Self::TrilinearWith(_)) { Self::Trilinear } else { self }
     }
@@ -90,8 +93,8 @@ impl Interpolator {
     }
 }
 
-/// The eight corners of the cell at a vertex: corner k is the cell's lower corner plus bit 0 of k in x, bit 1 in y and bit
-/// 2 in z.
+/// The eight corners of the cell at a vertex: corner k is the cell's lower corner plus bit 0 of k in x, bit 1 in y and
+/// bit 2 in z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
     /// The cell's lower corner.
@@ -129,7 +132,7 @@ pub(super) fn trilinear(lattice: &Lattice, vertex: &ShadingPoint) -> Stencil {
 pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> Stencil {
     let (cell, position) = lattice.cell_and_position(vertex.position + vertex.ng * (offset * lattice.spacing()));
     let frac = position.clamp(Vec3::ZERO, Vec3::ONE);
-    // The vertex is below `place` by the offset.
+    // The vertex is below `position` by the offset.
     let height = offset - vertex.ng.dot(position);
     let rest = Vec3::ONE - frac;
     let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
@@ -143,7 +146,8 @@ pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> 
     Stencil { cell, weights, heights, read: read[0] | read[1] << 4 }
 }
 
-/// Returns how far a cell's corners are above a plane of unit normal `ng`, if corner 0 is `height` above it, all in spacings.
+/// Returns how far a cell's corners are above a plane of unit normal `ng`, if corner 0 is `height` above it, all in
+/// spacings.
 #[inline(always)]
 pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
     let lower = height + Vec4::new(0.0, ng.x, 0.0, ng.x) + Vec4::new(0.0, 0.0, ng.y, ng.y);
@@ -188,7 +192,8 @@ fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
     }
 }
 
-/// Visits the cell's corners that are in front of the surface, the nearest first, until `visit` returns the slot of a usable one.
+/// Visits the cell's corners that are in front of the surface, the nearest first, until `visit` returns the slot of a
+/// usable one.
 pub(super) fn nearest(lattice: &Lattice, vertex: &ShadingPoint, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
     let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {

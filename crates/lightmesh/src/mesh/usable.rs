@@ -8,8 +8,8 @@ use super::reader::Reader;
 use super::stencil::{Interpolator, nearest, sphere, trilinear};
 use crate::interaction::ShadingPoint;
 
-/// Returns the part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
-/// from it. All of them have been evaluated.
+/// Returns the part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides
+/// them from it. All of them have been evaluated.
 pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
     let (mut usable, mut total) = (0.0, 0.0);
     let mut visit = |slot: Slot, weight: f32| {

@@ -1,8 +1,8 @@
 //! What a point of the direct mesh keeps of its light: one file per representation.
 //!
-//! Each file has the layout of its values, how a point is evaluated, what a surface reads from it, and its memory, and how values
-//! become plain arrays and back. A new representation is one more file, a variant of each of the three enums here, and what the
-//! compiler then asks for.
+//! Each file has the layout of its values, how a point is evaluated, what a surface reads from it, and its memory, and
+//! how values become plain arrays and back. A new representation is one more file, a variant of each of the three enums
+//! here, and the arms that the compiler then misses.
 
 mod per_light;
 mod plain_arrays;
@@ -53,25 +53,25 @@ impl PointValues {
 /// render method.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DirectValues {
-    /// [`Method::Mesh`](crate::options::Method::Mesh): shape (N, 6, 2, 3), lux. For each point and each plane that faces +x, −x,
-    /// +y, −y, +z, −z: the irradiance that arrives, and the irradiance without occlusion, RGB. (With a falloff other than r², in
-    /// its units.)
+    /// [`Method::Mesh`](crate::options::Method::Mesh): shape (N, 6, 2, 3), lux. For each point and each plane that
+    /// faces +x, −x, +y, −y, +z, −z: the irradiance that arrives, and the irradiance without occlusion, RGB. (With a
+    /// falloff other than r², in its units.)
     SixAxis(Vec<f32>),
-    /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). For each point DirectLight of formula (1), and the value
-    /// that it is divided by, RGB.
+    /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). For each point DirectLight of formula (1),
+    /// and the value that it is divided by, RGB.
     Scalar(Vec<f32>),
-    /// The visibility of each single light, one bit per light in two rows, the lowest bit first. Both bits set: all of the light
-    /// arrives. Neither: none of it. Only the bit of the second row: some of it, or the visibility is unknown because the light does
-    /// not shine on the point.
+    /// The visibility of each single light, one bit per light in two rows, the lowest bit first. Both bits set: all of
+    /// the light arrives. Neither: none of it. Only the bit of the second row: some of it, or the visibility is unknown
+    /// because the light does not shine on the point.
     Lights {
         /// W, the number of words in a row.
         words: u32,
         /// Shape (N, 2, W).
         bits: Vec<u64>,
     },
-    /// The visibility of lights in clusters. Each point has a list of runs over the leaves of the light tree. A run is the number
-    /// `leaf · 4 + state`; its state holds from that leaf to the next run, and the first run starts at leaf 0. State 0: unknown,
-    /// 1: none of the light arrives, 2: all of it.
+    /// The visibility of lights in clusters. Each point has a list of runs over the leaves of the light tree. A run is
+    /// the number `leaf · 4 + state`; its state holds from that leaf to the next run, and the first run starts at leaf
+    /// 0. State 0: unknown, 1: none of the light arrives, 2: all of it.
     Runs {
         /// For each point, the end of its runs in `runs`.
         ends: Vec<u64>,
@@ -182,7 +182,7 @@ impl DirectEncoding {
         }
     }
 
-    /// Returns the runs, where points keep runs: their memory is known only when they have been evaluated.
+    /// Returns the runs, where points keep runs: how many a point has shows only when it has been evaluated.
     pub(super) fn runs(&self) -> Option<&LightRuns> {
         match self {
             Self::PerLight(PerLight { states: LightStates::Runs(runs), .. }) => Some(runs),

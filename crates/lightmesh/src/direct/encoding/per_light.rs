@@ -1,7 +1,7 @@
-//! The state of every single light at a mesh point: whether all of it arrives, none of it, or neither is known.
+//! The state of every single light at a mesh point: all of it arrives, none of it, or something else.
 //!
-//! Few lights are kept as [`bits`], two per light; where lights are clusters of a tree, as [`runs`] of its leaves. Readers
-//! turn the states of the points around a surface into a visibility estimate for each light.
+//! Few lights are kept as [`bits`], two per light; where lights are clusters of a tree, as [`runs`] of its leaves.
+//! Readers turn the states of the points around a surface into a visibility estimate for each light.
 
 mod bits;
 mod runs;
@@ -16,7 +16,7 @@ use super::DirectValues;
 use super::plain_arrays::refuse;
 use crate::{Error, Falloff, RenderOptions, Scene};
 
-/// What a mesh point knows about a light.
+/// The state of a light at a mesh point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LightState {
     /// Some of it arrives, or the light does not shine on the point.

@@ -14,7 +14,7 @@ pub(crate) fn values(rgb: &[f32]) -> impl Iterator<Item = Vec4> {
     rgb.chunks_exact(3).map(|c| Vec3::from_slice(c).extend(0.0))
 }
 
-/// Returns the error that says what is wrong at some place of a snapshot.
+/// Returns an error that names a place in a snapshot and what is wrong there.
 pub(crate) fn refuse<T>(place: impl Into<String>, what: impl Into<String>) -> Result<T, Error> {
     Err(Error::InvalidContents { place: place.into(), what: what.into() })
 }

@@ -1,8 +1,8 @@
 //! The paper's scalar: one pair per point, without directions.
 //!
-//! Point p has the values `2 p` and `2 p + 1`, each RGB: DirectLight(x) = Σ V_i E_i / φ1 of formula (1), and what readers
-//! divide it by. Example: point 3 has values 6 and 7. What it is divided by depends on [`PaperScale`]: the same sum without V_i, or
-//! one constant for the whole scene.
+//! Point p has the values `2 p` and `2 p + 1`, each RGB: DirectLight(x) = Σ V_i E_i / φ1 of formula (1), and what
+//! readers divide it by. Example: point 3 has values 6 and 7. What it is divided by depends on [`PaperScale`]: the same
+//! sum without V_i, or one constant for the whole scene.
 
 use glam::{Vec3, Vec4};
 
@@ -44,7 +44,7 @@ impl Scalar {
         (self.falloff, self.scale) == (options.field_falloff, options.paper_scale)
     }
 
-    /// Returns whether points inside solids are to be found and left out. The paper's mesh as printed knows no geometry:
+    /// Returns whether points inside solids are to be found and left out. The paper's mesh as printed ignores geometry:
     /// every point counts.
     pub(super) fn needs_probes(&self) -> bool {
         self.scale != PaperScale::Constant
@@ -99,8 +99,8 @@ impl Scalar {
     }
 }
 
-/// Returns the constant of [`PaperScale::Constant`]: the mean of Σ E_i / φ1, without V_i, over the channels and a grid of
-/// 8³ positions in the scene's box; 1 for a scene without light.
+/// Returns the constant of [`PaperScale::Constant`]: the mean of Σ E_i / φ1, without V_i, over the channels and a grid
+/// of 8³ positions in the scene's box; 1 for a scene without light.
 fn mean_unshadowed(scene: &Scene, falloff: Falloff) -> f32 {
     const SIDE: u32 = 8;
     let (bounds, lights) = (scene.bounds(), scene.lights());

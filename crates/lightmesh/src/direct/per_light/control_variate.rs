@@ -1,10 +1,10 @@
 //! The mesh as control variate of light sampling.
 //!
-//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`RESIDUAL_DEVIATION`]): the standard deviation of a visibility that is 1
-//! with probability V̂_j, and some for certain lights. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct
-//! Illumination" (EGSR 2008), estimate visibility from that known at points nearby, as a control variate too. Here these are points
-//! of the mesh in space, which keep lights one by one and serve every camera, and V̂ steers sampling by its *uncertainty*: a light
-//! that is surely visible needs no ray.
+//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`RESIDUAL_DEVIATION`]): the standard deviation of a
+//! visibility that is 1 with probability V̂_j, and some for certain lights. Clarberg and Akenine-Möller, "Exploiting
+//! Visibility Correlation in Direct Illumination" (EGSR 2008), estimate visibility from that known at points nearby, as
+//! a control variate too. Here these are points of the mesh in space, which keep lights one by one and serve every
+//! camera, and V̂ steers sampling by its *uncertainty*: a light that is surely visible needs no ray.
 
 use fearless_simd::Simd;
 use glam::Vec3;
@@ -13,8 +13,8 @@ use super::super::region_visibility::LightCutVisibility;
 use super::{ClusterSampling, PerLightShader, Shaded, ShadowRequest, ones};
 use crate::light::{BlockTerms, LANES};
 
-/// The uncertainty of certain lights, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
-/// the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
+/// The uncertainty of certain lights, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80,
+/// error in the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
 const RESIDUAL_DEVIATION: f32 = 0.08;
 
 /// The least standard deviation of the visibility of lights towards an occluder. Without it 3.2 / 6.7%.
@@ -29,8 +29,8 @@ pub(super) struct SingleLight {
 }
 
 impl PerLightShader {
-    /// Returns the part of an unbiased estimate of the direct irradiance, lux per channel, that is known before its `count` rays
-    /// are traced; they are queued.
+    /// Returns the part of an unbiased estimate of the direct irradiance, lux per channel, that is there before its
+    /// `count` rays are traced; they are queued.
     #[inline(always)]
     pub(in super::super) fn sample_unbiased<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, count: u32) -> Vec3 {
         // Sum what is certain.

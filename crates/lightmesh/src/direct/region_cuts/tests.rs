@@ -98,13 +98,13 @@ fn surfaces(count: u32) -> Vec<(Vec3, Vec3)> {
             }
             let side = i as usize / 2 % 6;
             let (axis, far) = (side / 2, side % 2);
-            let mut place = SIZE;
-            place[(axis + 1) % 3] *= u;
-            place[(axis + 2) % 3] *= v;
-            place[axis] *= far as f32;
+            let mut position = SIZE;
+            position[(axis + 1) % 3] *= u;
+            position[(axis + 2) % 3] *= v;
+            position[axis] *= far as f32;
             let mut n = Vec3::ZERO;
             n[axis] = 1.0 - 2.0 * far as f32;
-            (place, n)
+            (position, n)
         })
         .collect()
 }
@@ -155,10 +155,10 @@ fn a_tree_too_large_is_refused_before_it_is_built() {
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
 }
 
-/// Errors of the sums at 6000 surface points against the sums over all lights, R + G + B, as parts of the mean irradiance over these
-/// points. The table of docs/many-lights.md.
+/// Errors of the sums at 6000 surface points against the sums over all lights, R + G + B, as parts of the mean
+/// irradiance over these points. The table of docs/many-lights.md.
 #[test]
-#[allow(clippy::print_stderr, reason = "its table is wanted")]
+#[allow(clippy::print_stderr, reason = "it prints a table")]
 fn table_of_errors() {
     let kinds = [
         ("100,000 points", scene(point_lights(100_000), 1)),

@@ -19,8 +19,8 @@ impl LightMesh {
         Cursor { direct: self.direct.points.cursor(), indirect, hit_irradiance }
     }
 
-    /// Copies the points that the mesh has gained since `cursor` was taken from it; with `Cursor::default()`, all of them. The copy
-    /// takes about as much memory as [`MeshStats::bytes`](crate::image::MeshStats::bytes).
+    /// Copies the points that the mesh has gained since `cursor` was taken from it; with `Cursor::default()`, all of
+    /// them. The copy takes about as much memory as [`MeshStats::bytes`](crate::image::MeshStats::bytes).
     pub fn snapshot_since(&self, cursor: &Cursor) -> Snapshot {
         Snapshot {
             direct: self.direct.snapshot_since(cursor.direct),

@@ -8,27 +8,29 @@ use crate::direct::encoding::{check_finite, check_length, refuse, values};
 use crate::indirect::IndirectField;
 
 impl LightMesh {
-    /// Adds the points of a snapshot, made of another mesh of the same scene and settings, that this mesh does not have; its own points
-    /// stay as they are. Pictures do not change by it, bit for bit: merged points only need not be evaluated again.
+    /// Adds the points of a snapshot, made of another mesh of the same scene and settings, that this mesh does not
+    /// have; its own points stay as they are. Pictures do not change by it, bit for bit: merged points only need not be
+    /// evaluated again.
     ///
-    /// A snapshot does not tell whether its scene and settings are the same: compare [`Fingerprint`](crate::Fingerprint)s.
+    /// A snapshot does not tell whether its scene and settings are the same: compare
+    /// [`Fingerprint`](crate::Fingerprint)s.
     ///
     /// # Errors
-    /// [`Error::InvalidContents`] for a snapshot of another method, lattice or number of bounces, and for invalid values;
-    /// [`Error::OutOfMemory`] if its points would not fit into the memory that the mesh was allowed when it was made. The mesh has not
-    /// changed then.
+    /// [`Error::InvalidContents`] for a snapshot of another method, lattice or number of bounces, and for invalid
+    /// values; [`Error::OutOfMemory`] if its points would not fit into the memory that the mesh was allowed when it was
+    /// made. The mesh has not changed then.
     pub fn merge(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         // Check everything, then change.
         self.direct.check(&snapshot.direct)?;
         match (&self.indirect, &snapshot.indirect) {
-            (Some(field), Some(contents)) => field.check(contents)?,
+            (Some(field), Some(indirect)) => field.check(indirect)?,
             (Some(_), None) => return refuse("indirect", "is missing; the mesh has indirect light"),
             (None, Some(_)) => return refuse("indirect", "is given; the mesh has no indirect light"),
             (None, None) => {}
         }
         self.direct.merge(&snapshot.direct);
-        if let (Some(field), Some(contents)) = (&mut self.indirect, &snapshot.indirect) {
-            field.merge(contents);
+        if let (Some(field), Some(indirect)) = (&mut self.indirect, &snapshot.indirect) {
+            field.merge(indirect);
         }
         Ok(())
     }

@@ -1,7 +1,8 @@
 //! Snapshots: the points of a mesh as plain arrays, for files, other processes and analysis.
 //!
-//! A mesh only ever gains points, and the value of each depends on scene and settings alone. So a snapshot of the points since some
-//! time brings another mesh of the same scene and settings up to date, and snapshots may be merged in any order.
+//! A mesh only ever gains points, and the value of each depends on scene and settings alone. So a snapshot of the
+//! points since some time brings another mesh of the same scene and settings up to date, and snapshots may be merged in
+//! any order.
 
 mod copy;
 mod merge;
@@ -17,8 +18,8 @@ pub struct PointSnapshot {
     pub lattices: Vec<LatticeShape>,
     /// Level and lattice coordinates of each valid point, `[level, i, j, k]`. N is their number.
     pub addresses: Vec<[u32; 4]>,
-    /// For each valid point, the distance to the next opaque surface along +x, −x, +y, −y, +z, −z, in 1/255 of its level's spacing,
-    /// rounded down, at most 254. 255: there is no surface up to the neighbouring point.
+    /// For each valid point, the distance to the next opaque surface along +x, −x, +y, −y, +z, −z, in 1/255 of its
+    /// level's spacing, rounded down, at most 254. 255: there is no surface up to the neighbouring point.
     pub clearances: Vec<[u8; 6]>,
     /// Level and lattice coordinates of each invalid point.
     pub invalid: Vec<[u32; 4]>,
@@ -42,9 +43,10 @@ pub struct IndirectSnapshot {
     pub bounces: u32,
     /// S, the number of cube faces: 6, or 1 with [`Method::Paper`](crate::options::Method::Paper).
     pub faces: u32,
-    /// Shape (B + 1, N, S, 3), RGB, lux. For each number of reflections k, each point and each plane that faces +x, −x, +y, −y, +z, −z:
-    /// the irradiance after k diffuse reflections or fewer, without the light that comes straight from lamps. Where S is 1:
-    /// IndirectLight of formula (4); if the light is the same from all sides, a quarter of it is the irradiance on any plane.
+    /// Shape (B + 1, N, S, 3), RGB, lux. For each number of reflections k, each point and each plane that faces +x, −x,
+    /// +y, −y, +z, −z: the irradiance after k diffuse reflections or fewer, without the light that comes straight from
+    /// lamps. Where S is 1: IndirectLight of formula (4); if the light is the same from all sides, a quarter of it is
+    /// the irradiance on any plane.
     pub values: Vec<f32>,
     /// The sum of the direct irradiances (mean over channels, lux) at the ends of gather rays, for the estimate of
     /// [`RenderStats::truncated_light`](crate::RenderStats::truncated_light).
@@ -98,8 +100,8 @@ impl PointSnapshot {
 }
 
 impl IndirectSnapshot {
-    /// Returns the irradiance after so many reflections or fewer: shape (N, S, 3), as in [`IndirectSnapshot::values`]; empty if
-    /// `bounces` is more than [`IndirectSnapshot::bounces`].
+    /// Returns the irradiance after so many reflections or fewer: shape (N, S, 3), as in [`IndirectSnapshot::values`];
+    /// empty if `bounces` is more than [`IndirectSnapshot::bounces`].
     pub fn after(&self, bounces: u32) -> &[f32] {
         let one = self.points.addresses.len() * self.faces as usize * 3;
         let first = (bounces as usize).saturating_mul(one);

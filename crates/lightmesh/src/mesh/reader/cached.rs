@@ -8,8 +8,8 @@ use super::super::read_result::ReadResult;
 use super::Reader;
 use crate::interaction::ShadingPoint;
 
-/// Reads a field whose points give a surface a value of type `V` that depends on its normal. Neighbouring vertices mostly
-/// share cell and normal: then each corner's value is computed once.
+/// Reads a field whose points give a surface a value of type `V` that depends on its normal. Neighbouring vertices
+/// mostly share cell and normal: then each corner's value is computed once.
 pub(crate) struct CachedReader<'a, V> {
     pub reader: Reader<'a>,
     /// The normal and the visit of a cell that `values` belong to.
@@ -25,8 +25,8 @@ impl<'a, V: Copy + Default> CachedReader<'a, V> {
         Self { reader, n: Vec3::ZERO, visit: 0, computed: 0, values: [V::default(); 8] }
     }
 
-    /// Sums the values of the points of D_y, from `sum` on: `value` of a point's index, which `add` adds with its weight φ4.
-    /// Points that are still empty are marked instead.
+    /// Sums the values of the points of D_y, from `sum` on: `value` of a point's index, which `add` adds with its
+    /// weight φ4. Points that are still empty are marked instead.
     ///
     /// # Errors
     /// [`ReadResult::Unavailable`] or [`ReadResult::Pending`].

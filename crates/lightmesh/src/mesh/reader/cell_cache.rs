@@ -103,10 +103,10 @@ impl CellCache {
         self.connected.1
     }
 
-    /// Returns whether nothing stands between the vertex' plane and some corners of the cell, as far as they see along the
-    /// axes. If that holds for all eight, nothing can hide any vertex on that plane from a corner: [`Self::occluded`] then is
-    /// what [`Self::boxed_in`] is. Planes are told apart by their normal and their height in 1/256 of the spacing, and judged by
-    /// the upper end of that step.
+    /// Returns whether nothing stands between the vertex' plane and some corners of the cell, as far as they see along
+    /// the axes. If that holds for all eight, nothing can hide any vertex on that plane from a corner:
+    /// [`Self::occluded`] then is what [`Self::boxed_in`] is. Planes are told apart by their normal and their height in
+    /// 1/256 of the spacing, and judged by the upper end of that step.
     #[inline(always)]
     pub(super) fn is_clear(&mut self, vertex: &ShadingPoint, stencil: &Stencil, corners: u8) -> bool {
         // The offset keeps walls on and half-way between lattice planes, the most of them, off the edges of steps.

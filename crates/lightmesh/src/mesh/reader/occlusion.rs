@@ -11,7 +11,8 @@ use crate::interaction::ShadingPoint;
 use crate::sampling::{hash, seed_of_place};
 
 impl Reader<'_> {
-    /// Returns those of the usable corners that the vertex sees, or one of them. Clearances say that some may be `occluded`.
+    /// Returns those of the usable corners that the vertex sees, or one of them. By their clearances, some may be
+    /// `occluded`.
     #[cold]
     pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
         match self.visibility {
@@ -24,8 +25,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Traces a ray to each corner that may be occluded. Of the others, one ray to the heaviest decides about all of its
-    /// component, and none is traced if there is one component and nothing of it is hidden.
+    /// Traces a ray to each corner that may be occluded. Of the others, one ray to the heaviest decides about all of
+    /// its component, and none is traced if there is one component and nothing of it is hidden.
     fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
         let mut visible = self.trace_each(vertex, occluded);
         let mut rest = usable;
@@ -48,8 +49,8 @@ impl Reader<'_> {
         set_bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
-    /// Traces rays to corners in random order until one is visible: among those that the vertex sees, each is returned with a
-    /// probability in proportion to its weight.
+    /// Traces rays to corners in random order until one is visible: among those that the vertex sees, each is returned
+    /// with a probability in proportion to its weight.
     fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
         let mut seed = seed_of_place(vertex.position);
         while corners != 0 {

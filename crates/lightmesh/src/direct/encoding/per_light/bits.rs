@@ -60,7 +60,8 @@ impl LightBits {
         size_of_val(self.bits.as_slice()) as u64
     }
 
-    /// Returns the bits of a point at which the part `visible` of the lights of `lanes` arrives; it cannot tell about others.
+    /// Returns the bits of a point at which the part `visible` of the lights of `lanes` arrives; it cannot tell about
+    /// others.
     pub(crate) fn pack(&self, lanes: &[u32], visible: &[Vec3]) -> Vec<u64> {
         let mut bits = vec![0; 2 * self.words];
         let (visible_row, possible_row) = bits.split_at_mut(self.words);
@@ -127,7 +128,8 @@ impl LightBits {
             return refuse("direct values", what);
         }
         check_length("direct values", bits.len(), &[points, 2, words])?;
-        // Refuse rows by which all of a light arrives and nothing does, or by which padding shines. Without lights there are no words.
+        // Refuse rows by which all of a light arrives and nothing does, or by which padding shines. Without lights
+        // there are no words.
         for (point, rows) in bits.chunks_exact(2 * words.max(1)).enumerate() {
             let (visible, possible) = rows.split_at(words);
             let is_unsound = |i: usize| visible[i] & !possible[i] != 0 || possible[i] & self.padding[i] != 0;

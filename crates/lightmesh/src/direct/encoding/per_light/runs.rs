@@ -1,9 +1,9 @@
 //! The states of many lights: runs of lights with one state, in the order of the light tree's leaves.
 //!
-//! A point looks at the nodes of its own cut through the tree, each of which holds an interval of leaves. Neighbours in that
-//! order are neighbours in space and mostly in the same state, so that a point keeps only the leaves at which the state changes,
-//! 4 B each: `leaf · 4 + state`, from leaf 0 on. Example: all of leaves 0 to 9 arrives, nothing of 10 and 11, all of 12, and the
-//! others do not shine on the point: `2, 41, 50, 52`.
+//! A point is evaluated with the nodes of its own cut through the tree, each of which holds an interval of leaves.
+//! Neighbours in that order are neighbours in space and mostly in the same state, so that a point keeps only the leaves
+//! at which the state changes, 4 B each: `leaf · 4 + state`, from leaf 0 on. Example: all of leaves 0 to 9 arrives,
+//! nothing of 10 and 11, all of 12, and the others do not shine on the point: `2, 41, 50, 52`.
 
 use std::ops::Range;
 
@@ -54,7 +54,8 @@ impl LightRuns {
         Self::pack(states.map(|(&lane, &v)| (lights.leaves(lane), LightState::of_visibility(v))))
     }
 
-    /// Returns the runs of a point at which some intervals of leaves, ascending, have these states and the others are unknown.
+    /// Returns the runs of a point at which some intervals of leaves, ascending, have these states and the others are
+    /// unknown.
     fn pack(states: impl Iterator<Item = (Range<u32>, LightState)>) -> Vec<u32> {
         let mut runs = vec![LightState::Unknown as u32];
         let mut next_leaf = 0;
@@ -94,7 +95,8 @@ impl LightRuns {
         &self.runs[begin..self.ends[point]]
     }
 
-    /// Returns the common state of each of some intervals of leaves, ascending, at a point: unknown where they have none.
+    /// Returns the common state of each of some intervals of leaves, ascending, at a point: unknown where they have
+    /// none.
     pub(crate) fn states<'a>(
         &'a self,
         point: u32,
