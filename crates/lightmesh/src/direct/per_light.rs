@@ -253,6 +253,7 @@ impl PerLightShader {
     fn queue_shadow_ray(&mut self, shaded: &Shaded<'_>, request: ShadowRequest<'_>) -> Vec3 {
         let ShadowRequest { block, first_lane, i, weight, scale, expected, in_cluster } = request;
         let LightCutVisibility { lights, clusters, .. } = shaded.lights;
+        // Of a cluster, choose single lights.
         if let Some(clusters) = clusters
             && let Some(node) = clusters.node(first_lane + i)
         {
@@ -273,6 +274,8 @@ impl PerLightShader {
                 }
             }
         }
+
+        // A single light: trace it.
         self.rays.push(lights.shadow_ray(first_lane + i, shaded.origin_towards(block.direction(i))));
         self.queue.push(QueuedRay { weight, expected, surface: shaded.surface });
         Vec3::ZERO
@@ -283,6 +286,7 @@ impl PerLightShader {
         let ClusterLight { lane, p } = light;
         let ShadingPoint { position, n, .. } = *shaded.vertex;
         let samples = shaded.scene.lights();
+        // Compute the sample's own light, and drop it where it gives none.
         let Some(sample) = samples.sample(lane) else { return };
         let (direction, f) = sample.arriving(shaded.falloff, position);
         let c = sample.intensity * (f * n.dot(direction).max(0.0));

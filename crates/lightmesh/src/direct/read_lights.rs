@@ -66,14 +66,18 @@ impl DirectReader<'_> {
         LightsReading::Known
     }
 
+    /// [`Self::read_lights`] point by point.
     #[cold]
     fn read_points_by_light(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
+        // List the points.
         let mut points = Vec::new();
         match self.cached.reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
             ReadResult::Value => {}
             ReadResult::Unavailable => return self.unknown(vertex),
             ReadResult::Pending => return LightsReading::Pending,
         }
+
+        // Estimate from their states.
         self.enter_region(vertex);
         let Self { field, cached, estimate, region, .. } = self;
         let reader = &cached.reader;
@@ -101,6 +105,7 @@ impl DirectReader<'_> {
         }
     }
 
+    /// Returns the reading of a vertex without a usable point.
     #[cold]
     fn unknown(&mut self, vertex: &ShadingPoint) -> LightsReading {
         if self.region.is_none() {

@@ -49,6 +49,7 @@ impl RegionCuts {
     /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
     /// `options.max_memory`.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
+        // Build a tree if there are many lights and it fits into memory.
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
         let tree = match options.method.has_mesh() && options.light_error > 0.0 && many.contains(&samples.len()) {
@@ -70,6 +71,8 @@ impl RegionCuts {
                 Some(LightTree::new(samples))
             }
         };
+
+        // Divide the scene's box into regions.
         let bounds = scene.bounds();
         Ok(Self {
             tree,
@@ -195,6 +198,7 @@ impl RegionCuts {
 
     /// Makes the cuts that are missing, as many as may be kept.
     fn keep_cuts(&mut self, falloff: Falloff, order: &[(Region, u32)]) {
+        // Drop the cuts of another falloff.
         if self.falloff != falloff {
             self.cuts.clear();
             (self.falloff, self.kept_bytes) = (falloff, 0);

@@ -130,6 +130,7 @@ impl<'a> RegionVisibility<'a> {
     #[inline(never)]
     fn pack(&mut self, region: Region) {
         let Self { regions, tree, falloff, refinement, cut, lights, nodes, least, radii, leaves, .. } = self;
+        // Pack the nodes of the cut, and list their leaves.
         tree.pack(regions.cut(region, *falloff, refinement, cut), lights, nodes);
         leaves.clear();
         for array in [&mut *least, &mut *radii] {
@@ -139,6 +140,7 @@ impl<'a> RegionVisibility<'a> {
         let centre = regions.centre(region);
         for (lane, &node) in nodes.iter().enumerate().filter(|(_, node)| **node != LightTree::NO_NODE) {
             leaves.push((lane as u32, tree.leaves(node)));
+            // Expect some light of a cluster wherever it may arrive.
             if !tree.is_single(node) {
                 let (radius, (r, arriving)) = (tree.radius(node), tree.facing(node, *falloff, centre));
                 least[lane] = LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0);

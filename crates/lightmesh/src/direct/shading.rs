@@ -92,6 +92,7 @@ impl ShadingBatch {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
             match reader.read(vertex, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
+                // Without a usable point, shade exactly.
                 Reading::Unavailable => {
                     lights.set_receiver(vertex.position, falloff);
                     let (sum, rays) = exact.irradiance(scene, &lights, falloff, vertex);

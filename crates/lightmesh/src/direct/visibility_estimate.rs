@@ -108,6 +108,7 @@ impl VisibilityEstimate {
         weights: &ByCorner,
         index: impl Fn(usize) -> u32,
     ) {
+        // Compare the points if they are others, and scale the weights to a sum of 1.
         if !self.is_from(corners) {
             self.points.clear();
             self.points.extend(set_bits(corners.mask).map(index));
@@ -122,6 +123,7 @@ impl VisibilityEstimate {
 
     /// Estimates from some points, each with its weight φ4; of too many the first ones.
     pub(super) fn set_points(&mut self, bits: &LightBits, points: &[(u32, f32)]) {
+        // Compare the points if they are others, and scale the weights to a sum of 1.
         let points = &points[..points.len().min(MAX_POINTS)];
         if self.sources != Sources::Listed || !self.points.iter().eq(points.iter().map(|(point, _)| point)) {
             self.points.clear();

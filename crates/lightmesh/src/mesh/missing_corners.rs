@@ -31,6 +31,7 @@ pub(super) fn read_with(
     mut visit: impl FnMut(u32, f32),
 ) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
+    // Mark the empty corners before the surface; visit nothing if there are any.
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
     let is = |k: &usize, condition: fn(Slot) -> bool| condition(slots[*k]);
     let mut empty = false;
@@ -41,6 +42,8 @@ pub(super) fn read_with(
     if empty {
         return ReadResult::Pending;
     }
+
+    // Visit those that are not inside solids.
     let present = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
     if present == 0 {
         return ReadResult::Unavailable;
@@ -66,6 +69,7 @@ fn before_plane(stencil: &Stencil) -> u8 {
     mask((0..8).filter(|&k| stencil.heights[k / 4][k % 4] > ON_SURFACE))
 }
 
+/// Returns the set of some corners.
 fn mask(corners: impl Iterator<Item = usize>) -> u8 {
     corners.map(|k| 1 << k).sum()
 }
@@ -79,6 +83,7 @@ fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoin
         MissingCorners::Mirror => Some(1 << longest_axis(vertex.ng)),
     };
     let nearest = nearest(stencil, present);
+    // Move the weight of each missing corner.
     for k in set_bits(!present) {
         let to = across.map(|bit| k ^ bit).filter(|&k| present >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);

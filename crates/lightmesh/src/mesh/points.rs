@@ -170,6 +170,7 @@ impl Points {
     /// from each that follows nearer than half as much. Ends where the cells that `surface_points` have in the spheres
     /// would be more than `max_cells`.
     pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, surface_points: &[Vec3], max_cells: u64) {
+        // From level to level, count the cells in the sphere before it is refined.
         let (mut cells, mut radius) = (0, metres);
         for level in 0..self.levels.len() - 1 {
             let lattice = &self.levels[level].lattice;
@@ -193,6 +194,7 @@ impl Points {
     /// # Errors
     /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
     pub(crate) fn take_marked(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
+        // List the marked points of all levels.
         let (mut requested, mut new_bricks) = (Vec::new(), 0);
         for (level, marks) in (0..).zip(marks.levels()) {
             let RefinementLevel { lattice, bricks, .. } = self.level(level);
@@ -207,6 +209,7 @@ impl Points {
 
     /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
     pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
+        // Sum what is kept and what buffers need.
         let points = (self.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
         let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);

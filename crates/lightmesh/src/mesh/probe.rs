@@ -47,6 +47,7 @@ pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
 /// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface,
 /// no farther than `near` metres from it.
 fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
+    // Count the faces around the point.
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
         let mut ray = Ray::new(x - direction * near, direction);

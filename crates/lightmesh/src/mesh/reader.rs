@@ -49,6 +49,7 @@ pub(crate) struct Reader<'a> {
 const MINORITY: f32 = 0.5;
 
 impl<'a> Reader<'a> {
+    /// Reads the coarsest level, and finer ones where they take over.
     pub(crate) fn new(scene: &'a Scene, points: &'a Points, visibility: CornerVisibility) -> Self {
         Self::of_level(scene, points, 0, visibility)
     }
@@ -91,6 +92,7 @@ impl<'a> Reader<'a> {
         marks: &Marks,
         mut visit_point: impl FnMut(u32, f32),
     ) -> ReadResult {
+        // The eight corners of a cell have readers of their own.
         let points = self.points;
         if points.interpolator == Interpolator::Trilinear {
             return self.read_cell(vertex, marks, visit_point);
@@ -99,6 +101,8 @@ impl<'a> Reader<'a> {
             let mark = |coordinate| points.mark(Address { level: self.level_index, coordinate }, marks);
             return read_with(self.level, rule, vertex, mark, visit_point);
         }
+
+        // Visit what is filled, and mark what is empty.
         let (mut any, mut empty) = (false, false);
         let mut visit = |coordinate: Coordinate, weight: f32| {
             let slot = self.level.slot(coordinate);
@@ -119,6 +123,8 @@ impl<'a> Reader<'a> {
             Interpolator::Sphere(stencil) => sphere(&self.level.lattice, vertex, stencil, visit),
             _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
         }
+
+        // One empty point is enough to wait for.
         match (empty, any) {
             (true, _) => ReadResult::Pending,
             (false, true) => ReadResult::Value,
@@ -153,6 +159,7 @@ impl<'a> Reader<'a> {
         marks: &Marks,
         visit: &mut dyn FnMut(u32, f32),
     ) -> ReadResult {
+        // Visit the corners of this level.
         let own: f32 = visible.weights.iter().map(|w| w.element_sum()).sum();
         let scale = share / (own + visible.refined);
         for k in set_bits(visible.mask) {
@@ -161,6 +168,8 @@ impl<'a> Reader<'a> {
         if visible.refined == 0.0 {
             return ReadResult::Value;
         }
+
+        // The next level gets the rest of the weight.
         let (scene, points, next, visibility) = (self.scene, self.points, self.level_index + 1, self.visibility);
         self.blended = true;
         let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, visibility)));

@@ -95,6 +95,7 @@ impl RefinementLevel {
         if self.refined.is_empty() && self.near_eye.is_none() {
             return 0;
         }
+        // A corner is refined near the eye, or by itself.
         let is_refined = |k: usize| {
             let coordinate = corner(cell, k);
             let (brick, local) = lattice::split(coordinate);

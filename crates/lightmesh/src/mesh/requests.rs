@@ -119,11 +119,14 @@ pub(crate) fn for_each_point(
     mut visit: impl FnMut(u32, usize, usize, Slot),
 ) -> Result<(), Error> {
     for &BrickMask { level, brick, mask } in bricks {
+        // Refuse bricks outside the lattice.
         let own = (level < points.level_count()).then(|| points.level(level));
         let Some(level_points) = own.filter(|own| (brick as usize) < own.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
             return Err(Error::InvalidOption { option: "bricks", what });
         };
+
+        // Visit the points that are set.
         let slots = level_points.bricks.brick(brick as usize);
         let set = (0..512).filter(|local| mask[local / 64] >> (local % 64) & 1 != 0);
         set.for_each(|local| visit(level, brick as usize, local, slots.slot(local)));

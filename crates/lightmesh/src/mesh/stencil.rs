@@ -161,6 +161,7 @@ pub(super) fn sphere(
     stencil: SphereStencil,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
+    // Visit the block that holds the sphere.
     let SphereStencil { radius, weight, normal_offset } = stencil;
     let r = radius * lattice.spacing();
     let center = vertex.position + vertex.ng * (normal_offset * lattice.spacing());
@@ -196,6 +197,7 @@ fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
 /// usable one.
 pub(super) fn nearest(lattice: &Lattice, vertex: &ShadingPoint, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
+    // Sort the corners by distance; those behind the surface are last.
     let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {
         let coordinate = corner(base, k);
         let d = lattice.point(coordinate) - vertex.position;

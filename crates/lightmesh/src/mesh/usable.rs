@@ -11,6 +11,7 @@ use crate::interaction::ShadingPoint;
 /// Returns the part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides
 /// them from it. All of them have been evaluated.
 pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
+    // Sum the weights of all points and those of the usable ones.
     let (mut usable, mut total) = (0.0, 0.0);
     let mut visit = |slot: Slot, weight: f32| {
         total += weight;

@@ -104,6 +104,7 @@ impl Scalar {
 fn mean_unshadowed(scene: &Scene, falloff: Falloff) -> f32 {
     const SIDE: u32 = 8;
     let (bounds, lights) = (scene.bounds(), scene.lights());
+    // Sum over the lights at the middle of each cell of the grid.
     let (mut d, mut sum) = (Directions::default(), 0.0_f64);
     for i in 0..SIDE.pow(3) {
         let cell = Vec3::new((i % SIDE) as f32, (i / SIDE % SIDE) as f32, (i / SIDE / SIDE) as f32) + 0.5;

@@ -47,6 +47,7 @@ impl LightMesh {
 }
 
 impl DirectField {
+    /// Copies the points since `cursor`.
     fn snapshot_since(&self, cursor: PointCursor) -> DirectSnapshot {
         let points = self.points.snapshot_since(cursor);
         let first = (self.points.len() - points.addresses.len()) as u32;
@@ -61,6 +62,7 @@ impl DirectField {
 }
 
 impl IndirectField {
+    /// Copies the points since `cursor`, and what has been added to the sums at gather hits.
     fn snapshot_since(&self, cursor: &Cursor) -> IndirectSnapshot {
         let points = self.points.snapshot_since(cursor.indirect);
         let first = self.points.len() - points.addresses.len();

@@ -42,6 +42,8 @@ impl DirectField {
         let DirectSnapshot { points, values } = snapshot;
         self.points.check(points, "direct")?;
         self.encoding.check(values, points.addresses.len())?;
+
+        // Refuse more than fits into memory.
         let (new, bricks) = self.points.count_new(points);
         self.points.check_memory(new, bricks, self.costs(), self.max_memory())?;
         match values {
@@ -60,6 +62,7 @@ impl DirectField {
 impl IndirectField {
     /// Refuses a snapshot of another kind of mesh.
     fn check(&self, snapshot: &IndirectSnapshot) -> Result<(), Error> {
+        // Refuse values of another shape, or such as no light has.
         let (faces, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
         if snapshot.faces as usize != faces {
             let what = format!("have {} sides; this mesh keeps {faces}: it is of another method", snapshot.faces);
@@ -76,6 +79,8 @@ impl IndirectField {
         if !(snapshot.hit_irradiance.is_finite() && snapshot.hit_irradiance >= 0.0) {
             return refuse("indirect", format!("the sum at gather hits is {}", snapshot.hit_irradiance));
         }
+
+        // Refuse more than fits into memory.
         let (new, bricks) = self.points.count_new(&snapshot.points);
         self.points.check_memory(new, bricks, self.costs(), self.max_memory)
     }

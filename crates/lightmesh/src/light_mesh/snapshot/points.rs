@@ -91,6 +91,7 @@ impl Points {
 
     /// Returns how many of the points are new here, and how many new bricks they need. They lie on the lattices.
     pub(super) fn count_new(&self, snapshot: &PointSnapshot) -> (usize, u64) {
+        // Count the empty slots, and the bricks that have none yet.
         let (mut new, mut bricks) = (0, HashSet::new());
         for &address in snapshot.addresses.iter().chain(&snapshot.invalid) {
             let Address { level, coordinate } = from_plain(address);
@@ -109,6 +110,7 @@ impl Points {
 
     /// Adds the points that are new; `push` gets the index in `snapshot` of each that is valid.
     pub(super) fn merge(&mut self, snapshot: &PointSnapshot, mut push: impl FnMut(usize)) {
+        // Valid points first: their order is that of their values.
         let is_new =
             |points: &Self, address: Address| points.level(address.level).slot(address.coordinate) == Slot::Empty;
         for (i, (&address, &sides)) in snapshot.addresses.iter().zip(&snapshot.clearances).enumerate() {
@@ -118,6 +120,8 @@ impl Points {
                 push(i);
             }
         }
+
+        // Then those inside solids.
         for &address in &snapshot.invalid {
             let address = from_plain(address);
             if is_new(self, address) {
@@ -127,6 +131,7 @@ impl Points {
     }
 }
 
+/// Returns the address that these numbers are.
 fn from_plain([level, x, y, z]: [u32; 4]) -> Address {
     Address { level, coordinate: UVec3::new(x, y, z) }
 }

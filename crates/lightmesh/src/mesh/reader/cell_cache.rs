@@ -63,14 +63,19 @@ impl CellCache {
 
     /// Looks up the corners of another cell.
     pub(super) fn enter(&mut self, points: &Points, level: &RefinementLevel, coordinate: Coordinate) {
+        // Look up the slots, and sort them.
         self.coordinate = coordinate;
         self.slots = level.slots(coordinate);
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
         self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
         self.empty = mask(|slot| slot == Slot::Empty);
+
+        // Forget what was computed for the last cell.
         self.marked = 0;
         self.computed = 0;
         self.plane.0 = Vec3::ZERO;
+
+        // Look up the clearances.
         self.clearances = self.slots.map(|slot| match slot {
             Slot::Filled(index) => points.clearance(index),
             Slot::Empty | Slot::Invalid => Clearance::default(),
@@ -127,6 +132,8 @@ impl CellCache {
     pub(super) fn occluded(&mut self, lattice: &Lattice, vertex: &ShadingPoint, stencil: &Stencil) -> u8 {
         let position = (vertex.position - lattice.point(self.coordinate)) * lattice.inv_spacing();
         let mut occluded = self.boxed_in;
+
+        // Compare the clearances along each axis with the way to the vertex, from both ends.
         for axis in 0..3 {
             for upper in [false, true] {
                 let d = position[axis] - f32::from(u8::from(upper));

@@ -28,7 +28,10 @@ impl Reader<'_> {
     /// Traces a ray to each corner that may be occluded. Of the others, one ray to the heaviest decides about all of
     /// its component, and none is traced if there is one component and nothing of it is hidden.
     fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, occluded: u8) -> u8 {
+        // Trace each corner that may be occluded.
         let mut visible = self.trace_each(vertex, occluded);
+
+        // Decide about the others component by component.
         let mut rest = usable;
         while rest != 0 {
             let component = component(&self.cell.free_edges, rest);

@@ -1,8 +1,8 @@
 //! The states of single lights: two bits per light.
 //!
 //! A point has two rows of 64-bit words. Lane i is bit i mod 64 of word i / 64 of its row; point p has the words
-//! `2 w p .. 2 w (p + 1)` with w = ⌈lanes / 64⌉, the row `visible` before the row `possible`. Example with 70 lanes, w = 2:
-//! lane 65 of point 3 is bit 1 of words 13 and 15.
+//! `2 w p .. 2 w (p + 1)` with w = ⌈lanes / 64⌉, the row `visible` before the row `possible`. Example with 70 lanes,
+//! w = 2: lane 65 of point 3 is bit 1 of words 13 and 15.
 //!
 //! | visible | possible | |
 //! |---|---|---|
@@ -63,11 +63,14 @@ impl LightBits {
     /// Returns the bits of a point at which the part `visible` of the lights of `lanes` arrives; it cannot tell about
     /// others.
     pub(crate) fn pack(&self, lanes: &[u32], visible: &[Vec3]) -> Vec<u64> {
+        // Start with lights that the point cannot tell about.
         let mut bits = vec![0; 2 * self.words];
         let (visible_row, possible_row) = bits.split_at_mut(self.words);
         for (possible, padding) in possible_row.iter_mut().zip(&self.padding) {
             *possible = !padding;
         }
+
+        // Set the bits of those that all arrive or are occluded.
         for (&lane, &v) in lanes.iter().zip(visible) {
             let (word, bit) = (lane as usize / 64, 1 << (lane % 64));
             match LightState::of_visibility(v) {

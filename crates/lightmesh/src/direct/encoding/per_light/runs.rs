@@ -57,6 +57,7 @@ impl LightRuns {
     /// Returns the runs of a point at which some intervals of leaves, ascending, have these states and the others are
     /// unknown.
     fn pack(states: impl Iterator<Item = (Range<u32>, LightState)>) -> Vec<u32> {
+        // Begin a run at a leaf: drop one that would be empty, and continue one of the same state.
         let mut runs = vec![LightState::Unknown as u32];
         let mut next_leaf = 0;
         let mut begin = |leaf: u32, state: LightState| {
@@ -71,6 +72,8 @@ impl LightRuns {
                 runs.push(leaf << 2 | state as u32);
             }
         };
+
+        // Leaves between the intervals and after the last one are unknown.
         for (leaves, state) in states {
             if leaves.start > next_leaf {
                 begin(next_leaf, LightState::Unknown);
@@ -126,6 +129,8 @@ impl LightRuns {
     /// Refuses what cannot be the runs of so many points of this scene.
     pub(super) fn check(&self, ends: &[u64], runs: &[u32], points: usize) -> Result<(), crate::Error> {
         check_length("direct values' ends", ends.len(), &[points])?;
+
+        // Ends must ascend to the number of runs.
         let mut begin = 0;
         let ascends = ends.iter().all(|&end| {
             let is_next = begin <= end && end <= runs.len() as u64;
@@ -135,6 +140,8 @@ impl LightRuns {
         if !ascends || begin != runs.len() as u64 {
             return refuse("direct values' ends", format!("do not ascend to {}, the number of runs", runs.len()));
         }
+
+        // Each point's runs must be as they are packed.
         match (0..points).find(|&i| !are_sound(of_point(ends, runs, i), self.leaves)) {
             Some(point) => {
                 refuse(format!("direct values, point {point}"), "its runs are not ascending states of lights")
