@@ -118,7 +118,8 @@ fn paths_exist() {
     };
     let mut wrong = BTreeSet::new();
     for page in pages() {
-        for link in page.links() {
+        // The site is made of copies in other places; its own program checks these links.
+        for link in page.links().filter(|_| !page.name.starts_with("tools/site/")) {
             let path = root().join(&page.name).parent().expect("a folder").join(link);
             if !path.exists() {
                 wrong.insert(format!("{}: the link {link} leads nowhere", page.name));
@@ -201,7 +202,7 @@ fn members(sources: &[String]) -> BTreeMap<String, BTreeSet<String>> {
     for source in sources {
         // Blocks begin and end in the first column: the sources are formatted.
         let mut owners: Vec<String> = Vec::new();
-        for line in source.lines() {
+        for line in source.lines().filter(|line| !line.is_empty()) {
             let words: Vec<&str> =
                 line.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|w| !w.is_empty()).collect();
             let is_outer = !line.starts_with([' ', '}', '/', '#']);
