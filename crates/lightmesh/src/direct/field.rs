@@ -40,10 +40,12 @@ impl DirectField {
             && self.points.interpolator == interpolator
     }
 
+    /// Returns empty marks for its points.
     pub(crate) fn marks(&self) -> Marks {
         self.points.marks()
     }
 
+    /// Returns the number of points, and their memory.
     pub(crate) fn stats(&self) -> MeshStats {
         self.points.stats(self.encoding.bytes() + self.lights.bytes())
     }
@@ -65,7 +67,7 @@ impl DirectField {
         self.encoding.bytes_per_point() + runs + Points::BYTES_PER_POINT
     }
 
-    /// Refuses so many new points with so many runs together if they would not fit into the memory of the field.
+    /// Refuses `points` new points with `runs` runs in all if they would not fit into the memory of the field.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].

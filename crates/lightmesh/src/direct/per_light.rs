@@ -110,8 +110,8 @@ enum ClusterSampling {
     /// One light, by the k-th random number for its node. Its own light takes the place of the cluster's where that is
     /// multiplied by V, without bias.
     One { k: u32 },
-    /// About so many lights. Their own light takes the place of the cluster's for V and for V̂: no noise where V is as
-    /// expected, and the error of the cluster's unshadowed light stays.
+    /// About this many lights. Their own light takes the place of the cluster's for V and for V̂: no noise where V is
+    /// as expected, and the error of the cluster's unshadowed light stays.
     Some { rays: f32 },
 }
 
@@ -131,6 +131,7 @@ pub(super) struct Shaded<'a> {
 }
 
 impl Shaded<'_> {
+    /// Returns the point as lights receive it.
     fn receiver(&self) -> Receiver {
         let ShadingPoint { position, n, ng, .. } = *self.vertex;
         Receiver { position, n, ng, occluder_direction: self.lights.estimate.occluder_direction, falloff: self.falloff }

@@ -26,7 +26,7 @@ pub(crate) enum Shading {
     MeanVisibility,
     /// Light by light, with the shadow rays of a policy.
     PerLight { policy: SamplingPolicy, seed: u32 },
-    /// The mesh as control variate of so many shadow rays.
+    /// A number of shadow rays, with the mesh as control variate.
     Unbiased { rays: u32, seed: u32 },
 }
 
@@ -40,7 +40,7 @@ pub(crate) enum Indirect {
         /// Other seeds give other rays.
         seed: u64,
     },
-    /// From so many gather rays of their own, with the mesh as control variate where they end.
+    /// From a number of gather rays of their own, with the mesh as control variate where they end.
     Unbiased { rays: u32, seed: u64 },
 }
 

@@ -35,6 +35,7 @@ pub(super) struct PointLight {
 }
 
 impl<'a> PointLights<'a> {
+    /// No point yet; `cut` has the lights of the scene.
     pub(super) fn new(scene: &'a Scene, cut: LightCut<'a>, falloff: Falloff) -> Self {
         Self {
             scene,

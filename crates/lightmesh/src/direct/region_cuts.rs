@@ -14,7 +14,7 @@ use super::encoding::MOST_LEAVES;
 use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, RenderOptions, Scene};
 
-/// Up to so many samples are summed one by one: that takes less time than a cut through more would.
+/// Up to this number of samples, light is summed one by one: that takes less time than a cut through more would.
 const FEW: usize = 512;
 
 /// Regions along the longest edge of the scene's box.
@@ -91,7 +91,7 @@ impl RegionCuts {
         self.error == options.light_error
     }
 
-    /// Returns whether there are so many lights that nodes of a tree stand for them.
+    /// Returns whether nodes of a tree stand for the lights, as there are many.
     pub(crate) fn has_clusters(&self) -> bool {
         self.tree.is_some()
     }
@@ -174,11 +174,13 @@ impl RegionCuts {
         self.corner(region) + 0.5 * self.edge
     }
 
+    /// Returns the lower corner of a region, metres.
     fn corner(&self, region: Region) -> Vec3 {
         let cell = [region, region >> 21, region >> 42].map(|c| (c & ((1 << 21) - 1)) as f32);
         self.origin + Vec3::from_array(cell) * self.edge
     }
 
+    /// Returns the surfaces that a region may have.
     fn receivers(&self, region: Region) -> Receivers {
         let min = self.corner(region);
         // Positions are rounded.

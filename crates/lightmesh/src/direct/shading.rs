@@ -82,7 +82,7 @@ impl ShadingBatch {
     }
 
     /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them
-    /// and go on waiting.
+    /// and stay in the list.
     fn shade_by_mesh(&mut self, context: MeshContext<'_>) {
         let MeshContext { scene, falloff, field, marks, visibility } = context;
         let mut reader = field.reader(scene, visibility);
@@ -107,7 +107,7 @@ impl ShadingBatch {
         self.visibility_rays += reader.visibility_rays();
     }
 
-    /// Shades the vertices that wait light by light; those whose mesh points are empty mark them and go on waiting.
+    /// Shades the vertices that wait light by light; those whose mesh points are empty mark them and stay in the list.
     fn shade_per_light(&mut self, context: MeshContext<'_>, shading: Shading) {
         let visibility = match (shading, context.visibility) {
             (Shading::PerLight { .. }, CornerVisibility::All) => CornerVisibility::Deferred { finer: true },
@@ -132,7 +132,7 @@ impl ShadingBatch {
         }
         let mut kept = 0;
         for i in 0..waiting.len() {
-            // Read the mesh; a vertex whose points are missing goes on waiting.
+            // Read the mesh; a vertex whose points are missing stays in the list.
             let surface = waiting[i];
             let vertex = &vertices[surface as usize];
             let reading = reader.read_lights(vertex, marks);

@@ -10,7 +10,7 @@ use super::encoding::{BitRows, LightBits};
 use crate::light::LANES;
 use crate::mesh::{ByCorner, ONES, set_bits};
 
-/// At most so many points make an estimate.
+/// The most points that make an estimate.
 const MAX_POINTS: usize = 32;
 
 /// The visibility of each light by some mesh points. The masks are kept as long as the same points are read.
@@ -63,7 +63,7 @@ struct PointMasks {
 }
 
 impl VisibilityEstimate {
-    /// An estimate for so many lanes from no points.
+    /// An estimate for `lanes` lanes from no points.
     pub(crate) fn new(lanes: usize) -> Self {
         Self {
             sources: Sources::None,
@@ -78,7 +78,7 @@ impl VisibilityEstimate {
         }
     }
 
-    /// Starts anew with so many other lanes.
+    /// Starts anew with `lanes` other lanes.
     pub(super) fn restart(&mut self, lanes: usize) {
         self.sources = Sources::None;
         self.certain.clear();

@@ -32,6 +32,7 @@ impl Slot {
         }
     }
 
+    /// Returns the slot as 32 bits.
     fn pack(self) -> u32 {
         match self {
             Self::Empty => Self::EMPTY,
@@ -67,7 +68,7 @@ impl Bricks {
     /// Memory of a brick with slots, its marks included, bytes.
     pub(super) const BYTES_PER_BRICK: u64 = 512 * 4 + 64;
 
-    /// Empty bricks, so many along x, y and z.
+    /// Empty bricks, with their numbers along x, y and z.
     pub(crate) fn new(bricks: UVec3) -> Self {
         Self { table: vec![Self::NONE; bricks.as_u64vec3().element_product() as usize], slots: Vec::new() }
     }
@@ -115,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slots_keep_what_they_are_given() {
+    fn slots_come_back_as_they_were_set() {
         let mut bricks = Bricks::new(UVec3::new(2, 3, 4));
         assert_eq!(bricks.slot(23, 511), Slot::Empty);
         bricks.set(23, 511, Slot::Filled(7));

@@ -11,7 +11,7 @@ use super::bricks::Bricks;
 pub(crate) struct Marks(Vec<LevelMarks>);
 
 impl Marks {
-    /// No marks, for lattices of so many bricks.
+    /// No marks, for lattices with these numbers of bricks.
     pub(crate) fn new(bricks: impl Iterator<Item = usize>) -> Self {
         Self(bricks.map(LevelMarks::new).collect())
     }
@@ -37,11 +37,12 @@ pub(super) struct LevelMarks {
 }
 
 impl LevelMarks {
-    /// No marks, for a lattice of so many bricks.
+    /// No marks, for a lattice of `bricks` bricks.
     pub(crate) fn new(bricks: usize) -> Self {
         Self { words: (0..bricks).map(|_| OnceLock::new()).collect(), touched: Mutex::default() }
     }
 
+    /// Marks point `local` of a brick.
     fn set(&self, brick: usize, local: usize) {
         let words = self.words[brick].get_or_init(|| {
             self.touched.lock().unwrap_or_else(PoisonError::into_inner).push(brick);

@@ -128,7 +128,7 @@ mod tests {
 
     /// A wall that faces +z: the four lower corners are behind it, with 0.8 of the weight together.
     #[test]
-    fn missing_weight_goes_where_the_rule_says() {
+    fn missing_weight_moves_by_the_rule() {
         let (vertex, stencil) = at(Vec3::Z);
         let present = before_plane(&stencil);
         assert_eq!(present, 0b1111_0000);

@@ -207,7 +207,7 @@ impl Points {
         Ok(requested)
     }
 
-    /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
+    /// Refuses a number of new points, some of them in new bricks, if they would not fit into `limit` bytes.
     pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
         // Sum what is kept and what buffers need.
         let points = (self.len() + new) as u64;
@@ -231,6 +231,7 @@ impl Points {
     /// Memory of a point without its values and its slot, bytes.
     pub(crate) const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
 
+    /// Returns the memory of all bricks.
     fn brick_bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.bricks.bytes()).sum()
     }

@@ -41,6 +41,7 @@ struct EyeSphere {
 }
 
 impl RefinementLevel {
+    /// Empty points, none of them refined.
     pub(crate) fn new(lattice: Lattice) -> Self {
         let bricks = Bricks::new(lattice.bricks());
         Self { lattice, bricks, refined: HashMap::new(), near_eye: None }
@@ -65,6 +66,7 @@ impl RefinementLevel {
         std::array::from_fn(|k| self.slot(corner(cell, k)))
     }
 
+    /// Sets the slot of a point.
     pub(super) fn set(&mut self, coordinate: Coordinate, slot: Slot) {
         let (brick, local) = lattice::split(coordinate);
         self.bricks.set(self.lattice.brick_index(brick), local, slot);

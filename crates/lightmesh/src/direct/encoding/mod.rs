@@ -199,7 +199,7 @@ impl DirectEncoding {
         }
     }
 
-    /// Refuses what cannot be the values of so many points of this mesh.
+    /// Refuses what cannot be the values of this number of points of this mesh.
     ///
     /// # Errors
     /// [`Error::InvalidContents`].

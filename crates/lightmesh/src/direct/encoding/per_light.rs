@@ -65,6 +65,7 @@ pub(crate) enum PointStates {
 }
 
 impl PerLight {
+    /// No points; bits or runs by the lights that there are.
     pub(super) fn new(scene: &Scene, lights: &RegionCuts, options: &RenderOptions) -> Self {
         let states = match lights.has_clusters() {
             true => LightStates::Runs(LightRuns::new(lights.leaf_count())),
@@ -73,6 +74,7 @@ impl PerLight {
         Self { falloff: options.falloff, states }
     }
 
+    /// Returns what the encoding keeps, for messages.
     pub(super) fn name(&self) -> &'static str {
         match self.states {
             LightStates::Bits(_) => "single lights",
@@ -126,7 +128,7 @@ impl PerLight {
         }
     }
 
-    /// Refuses what cannot be the states at so many points.
+    /// Refuses what cannot be the states at this number of points.
     pub(super) fn check(&self, values: &DirectValues, points: usize) -> Result<(), Error> {
         match (&self.states, values) {
             (LightStates::Bits(own), DirectValues::Lights { words, bits }) => own.check(*words as usize, bits, points),

@@ -27,9 +27,12 @@ pub(crate) struct Scalar {
 }
 
 impl Scalar {
+    /// What the encoding keeps, for messages.
     pub(super) const NAME: &str = "the paper's scalar";
+    /// Memory of a point, bytes.
     pub(super) const BYTES_PER_POINT: u64 = (STRIDE * size_of::<Vec4>()) as u64;
 
+    /// No points.
     pub(super) fn new(scene: &Scene, options: &RenderOptions) -> Self {
         let (falloff, scale) = (options.field_falloff, options.paper_scale);
         let constant = match scale {
@@ -87,7 +90,7 @@ impl Scalar {
         DirectValues::Scalar(indices.flat_map(|i| rgb(&self.values[i as usize * STRIDE..][..STRIDE])).collect())
     }
 
-    /// Refuses what cannot be the values of so many points.
+    /// Refuses what cannot be the values of this number of points.
     pub(super) fn check(numbers: &[f32], points: usize) -> Result<(), Error> {
         check_length("direct values", numbers.len(), &[points, 2, 3])?;
         check_finite("direct values", numbers)

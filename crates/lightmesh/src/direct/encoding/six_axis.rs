@@ -33,9 +33,12 @@ pub(crate) struct SixAxis {
 }
 
 impl SixAxis {
+    /// What the encoding keeps, for messages.
     pub(super) const NAME: &str = "six axes";
+    /// Memory of a point, bytes.
     pub(super) const BYTES_PER_POINT: u64 = (STRIDE * size_of::<Vec4>()) as u64;
 
+    /// No points.
     pub(super) fn new(options: &RenderOptions) -> Self {
         Self { falloff: options.falloff, values: Vec::new() }
     }
@@ -86,7 +89,7 @@ impl SixAxis {
         DirectValues::SixAxis(indices.flat_map(|i| rgb(&self.values[i as usize * STRIDE..][..STRIDE])).collect())
     }
 
-    /// Refuses what cannot be the values of so many points.
+    /// Refuses what cannot be the values of this number of points.
     pub(super) fn check(numbers: &[f32], points: usize) -> Result<(), Error> {
         check_length("direct values", numbers.len(), &[points, 6, 2, 3])?;
         check_finite("direct values", numbers)

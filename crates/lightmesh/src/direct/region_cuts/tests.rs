@@ -121,7 +121,7 @@ fn one_by_one(scene: &Scene, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
 
 /// Few lights, or no error allowed: the sum over all, bit for bit.
 #[test]
-fn what_needs_no_tree_is_as_it_was() {
+fn without_a_tree_the_sum_is_over_all_lights() {
     let points = surfaces(1500);
     for (count, error) in [(FEW as u32, 0.5), (3000, 0.0)] {
         let scene = scene(point_lights(count), 1);
@@ -132,18 +132,18 @@ fn what_needs_no_tree_is_as_it_was() {
 
 /// Kept or made anew, together or one by one, after another falloff: a cut depends on its region alone.
 #[test]
-fn sums_do_not_depend_on_what_was_asked_before() {
+fn sums_do_not_depend_on_earlier_calls() {
     let scene = scene(point_lights(3000), 1);
     let points = surfaces(800);
     let mut lights = regions(&scene, 0.02);
     lights.irradiance(&scene, Falloff::ConstantPlusDistance { constant: 1.0 }, &points);
     let together = lights.irradiance(&scene, Falloff::default(), &points);
     assert!(lights.bytes() > 0);
-    let mut forgetful = RegionCuts { most_bytes: 0, ..regions(&scene, 0.02) };
-    assert_eq!(forgetful.irradiance(&scene, Falloff::default(), &points), together);
-    assert_eq!(forgetful.bytes(), 0);
+    let mut without_memory = RegionCuts { most_bytes: 0, ..regions(&scene, 0.02) };
+    assert_eq!(without_memory.irradiance(&scene, Falloff::default(), &points), together);
+    assert_eq!(without_memory.bytes(), 0);
     let one_by_one: Vec<_> =
-        points.iter().flat_map(|&p| forgetful.read_irradiance(&scene, Falloff::default(), &[p])).collect();
+        points.iter().flat_map(|&p| without_memory.read_irradiance(&scene, Falloff::default(), &[p])).collect();
     assert_eq!(one_by_one, together);
 }
 

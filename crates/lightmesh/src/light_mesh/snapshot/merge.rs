@@ -62,7 +62,7 @@ impl DirectField {
 impl IndirectField {
     /// Refuses a snapshot of another kind of mesh.
     fn check(&self, snapshot: &IndirectSnapshot) -> Result<(), Error> {
-        // Refuse values of another shape, or such as no light has.
+        // Refuse values of another shape, and values that light cannot have.
         let (faces, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
         if snapshot.faces as usize != faces {
             let what = format!("have {} sides; this mesh keeps {faces}: it is of another method", snapshot.faces);

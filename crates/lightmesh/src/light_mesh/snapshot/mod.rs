@@ -100,8 +100,8 @@ impl PointSnapshot {
 }
 
 impl IndirectSnapshot {
-    /// Returns the irradiance after so many reflections or fewer: shape (N, S, 3), as in [`IndirectSnapshot::values`];
-    /// empty if `bounces` is more than [`IndirectSnapshot::bounces`].
+    /// Returns the irradiance after `bounces` reflections or fewer: shape (N, S, 3), as in
+    /// [`IndirectSnapshot::values`]; empty if `bounces` is more than [`IndirectSnapshot::bounces`].
     pub fn after(&self, bounces: u32) -> &[f32] {
         let one = self.points.addresses.len() * self.faces as usize * 3;
         let first = (bounces as usize).saturating_mul(one);

@@ -21,6 +21,7 @@ pub(crate) struct CachedReader<'a, V> {
 }
 
 impl<'a, V: Copy + Default> CachedReader<'a, V> {
+    /// No values yet.
     pub(crate) fn new(reader: Reader<'a>) -> Self {
         Self { reader, n: Vec3::ZERO, visit: 0, computed: 0, values: [V::default(); 8] }
     }

@@ -96,7 +96,7 @@ mod tests {
 
     /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; an item without weight is never chosen.
     #[test]
-    fn choices_come_in_proportion_to_their_weights() {
+    fn choices_are_in_proportion_to_their_weights() {
         let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
         let (mut counts, n) = ([0_u32; 6], 20_000_u32);
         for i in 0..n {

@@ -45,7 +45,7 @@ impl LightBits {
         Self::with_padding(lanes, padding)
     }
 
-    /// For so many lanes, of which those in `padding` never shine.
+    /// For `lanes` lanes, of which those in `padding` never shine.
     pub(crate) fn with_padding(lanes: usize, padding: Vec<u64>) -> Self {
         Self { words: lanes.div_ceil(64), bits: Vec::new(), padding }
     }
@@ -124,7 +124,7 @@ impl LightBits {
         DirectValues::Lights { words: self.words as u32, bits }
     }
 
-    /// Refuses what cannot be the bits of so many points of this scene.
+    /// Refuses what cannot be the bits of this number of points of this scene.
     pub(super) fn check(&self, words: usize, bits: &[u64], points: usize) -> Result<(), crate::Error> {
         if words != self.words {
             let what = format!("have {words} words of bits for the lights; this scene has {}", self.words);

@@ -28,12 +28,12 @@ impl LightRuns {
     /// An estimate of the memory of a point, bytes. Empirical: 555 in a room of 10,000 lights at ε = 0.01.
     pub(crate) const BYTES_PER_POINT: u64 = 1024;
 
-    /// No points, for a tree of so many leaves.
+    /// No points, for a tree of `leaves` leaves.
     pub(super) fn new(leaves: u32) -> Self {
         Self { ends: Vec::new(), runs: Vec::new(), leaves }
     }
 
-    /// Returns the memory of so many points with so many runs together, bytes.
+    /// Returns the memory of `points` points with `runs` runs in all, bytes.
     fn bytes_of(points: usize, runs: usize) -> u64 {
         (points * size_of::<usize>() + runs * size_of::<u32>()) as u64
     }
@@ -43,7 +43,7 @@ impl LightRuns {
         Self::bytes_of(self.ends.len(), self.runs.len())
     }
 
-    /// Returns the memory of all points and of so many new ones with so many runs together, bytes.
+    /// Returns the memory of all points and of new ones with `runs` runs in all, bytes.
     pub(crate) fn bytes_with(&self, points: usize, runs: usize) -> u64 {
         Self::bytes_of(self.ends.len() + points, self.runs.len() + runs)
     }
@@ -126,7 +126,7 @@ impl LightRuns {
         DirectValues::Runs { ends, runs }
     }
 
-    /// Refuses what cannot be the runs of so many points of this scene.
+    /// Refuses what cannot be the runs of this number of points of this scene.
     pub(super) fn check(&self, ends: &[u64], runs: &[u32], points: usize) -> Result<(), crate::Error> {
         check_length("direct values' ends", ends.len(), &[points])?;
 
@@ -166,7 +166,7 @@ fn state_of(run: u32) -> LightState {
     }
 }
 
-/// Returns whether these are runs as [`LightRuns::pack`] makes them, of a tree with so many leaves.
+/// Returns whether these are runs as [`LightRuns::pack`] makes them, of a tree with `leaves` leaves.
 fn are_sound(runs: &[u32], leaves: u32) -> bool {
     let states = runs.iter().all(|&run| run & 3 < 3 && run >> 2 <= leaves);
     let steps = runs.windows(2).all(|w| w[0] >> 2 < w[1] >> 2 && w[0] & 3 != w[1] & 3);
