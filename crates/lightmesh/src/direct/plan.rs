@@ -2,7 +2,7 @@
 
 use super::per_light::SamplingPolicy;
 use crate::mesh::CornerVisibility;
-use crate::sampling::hash;
+use crate::sampling::{fold_seed, hash};
 use crate::{Method, RenderOptions};
 
 /// How surfaces take their light.
@@ -53,7 +53,7 @@ impl Shading {
 impl LightingPlan {
     /// What the method says.
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
+        let seed = fold_seed(options.seed);
         let unbiased = |rays| Shading::Unbiased { rays, seed };
         let (seen, gathered) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
