@@ -46,7 +46,9 @@ pub(crate) enum Indirect {
 impl Shading {
     /// Light by light, seeded as the options say.
     pub(crate) fn by_light(care: SamplingPolicy, options: &RenderOptions) -> Self {
-        Self::PerLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
+        // Not `fold_seed`: seeds below 2³² keep the pictures that they have always had.
+        let (low, high) = (options.seed as u32, (options.seed >> 32) as u32);
+        Self::PerLight { care, seed: low ^ hash(high) ^ hash(0) }
     }
 }
 
@@ -85,5 +87,27 @@ impl LightingPlan {
             CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,
             CornerVisibility::Stochastic => self.gather,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seed(seed: u64) -> u32 {
+        let options = RenderOptions { seed, ..RenderOptions::default() };
+        match Shading::by_light(SamplingPolicy::HYBRID, &options) {
+            Shading::PerLight { seed, .. } => seed,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Equal halves too: 0x1_0000_0001 chose the shadow rays of 0 once.
+    #[test]
+    fn both_halves_of_the_seed_choose_shadow_rays() {
+        assert_eq!([0, 7, u64::from(u32::MAX)].map(seed), [0, 7, u32::MAX]);
+        let seeds = [0, 1, 1 << 32, 0x1_0000_0001, 0x2_0000_0000, 0x2_0000_0002, u64::MAX];
+        let distinct: std::collections::HashSet<u32> = seeds.into_iter().map(seed).collect();
+        assert_eq!(distinct.len(), seeds.len());
     }
 }
