@@ -28,7 +28,7 @@ use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{BlockTerms, LANES, LightTerms, Receiver};
-use crate::sampling::hash;
+use crate::sampling::{hash, set_bits, unit_f32};
 use crate::world::Scene;
 
 /// Which lights get a shadow ray although the mesh has an estimate of their visibility.
@@ -145,12 +145,12 @@ impl Shaded<'_> {
 
     /// Returns the i-th random number, in [0, 1).
     fn random(&self, i: u32) -> f32 {
-        (hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        unit_f32(hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))))
     }
 
     /// Returns the i-th random number for a node of the light tree, in [0, 1).
     fn random_in(&self, node: u32, i: u32) -> f32 {
-        (hash(hash(self.seed ^ hash(node)).wrapping_add(i)) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        unit_f32(hash(hash(self.seed ^ hash(node)).wrapping_add(i)))
     }
 }
 
@@ -179,7 +179,7 @@ impl PerLightShader {
 
             // Add the partial lights, and queue a ray to each that matters; of the others one for every step.
             let singles = partial | block.towards_occluder;
-            for i in ones(singles) {
+            for i in set_bits::<LANES>(singles) {
                 let is_partial = partial >> i & 1 != 0;
                 let partial_number = number;
                 number += usize::from(is_partial);
@@ -222,7 +222,7 @@ impl PerLightShader {
                 TrustAgreement::Yes => giving,
                 TrustAgreement::Unbiased => !singles & ((1 << LANES) - 1),
             };
-            for i in ones(candidates) {
+            for i in set_bits::<LANES>(candidates) {
                 let contribution = block.contributions[i];
                 if contribution <= 0.0 {
                     continue;
@@ -316,14 +316,4 @@ impl PerLightShader {
         self.queue.clear();
         count
     }
-}
-
-/// Returns the set bits, ascending, below [`LANES`].
-#[inline(always)]
-fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (i < LANES).then_some(i)
-    })
 }

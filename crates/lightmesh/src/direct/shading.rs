@@ -16,7 +16,7 @@ use crate::interaction::ShadingPoint;
 use crate::light::{LightCut, LightSamples};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
-use crate::sampling::seed_of_place;
+use crate::sampling::seed_of_position;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
 /// The least number of shadow rays of *unbiased* to clusters, from a surface without a usable mesh point. Empirical,
@@ -149,7 +149,7 @@ impl ShadingBatch {
                 vertex,
                 surface,
                 lights: reader.lights(),
-                seed: seed ^ seed_of_place(vertex.position),
+                seed: seed ^ seed_of_position(vertex.position),
                 origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {

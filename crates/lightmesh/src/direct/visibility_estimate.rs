@@ -8,7 +8,8 @@ use glam::{Vec3, Vec4};
 
 use super::encoding::{BitRows, LightBits};
 use crate::light::LANES;
-use crate::mesh::{ByCorner, ONES, set_bits};
+use crate::mesh::{ByCorner, ONES, corners_of};
+use crate::sampling::set_bits;
 
 /// The most points that make an estimate.
 const MAX_POINTS: usize = 32;
@@ -111,8 +112,8 @@ impl VisibilityEstimate {
         // Compare the points if they are others, and scale the weights to a sum of 1.
         if !self.is_from(corners) {
             self.points.clear();
-            self.points.extend(set_bits(corners.mask).map(index));
-            self.compare(bits, set_bits(corners.mask));
+            self.points.extend(corners_of(corners.mask).map(index));
+            self.compare(bits, corners_of(corners.mask));
             self.sources = Sources::Corners(corners);
         }
         let scale = 1.0 / (weights[0].element_sum() + weights[1].element_sum());
@@ -167,7 +168,7 @@ impl VisibilityEstimate {
             }
 
             // Transpose the partial lanes: the points' bits of one lane become a mask.
-            self.masks.extend(ones(partial).map(|bit| {
+            self.masks.extend(set_bits::<64>(partial).map(|bit| {
                 words.iter().fold(PointMasks::default(), |masks, &(visible, possible, mask_bit)| PointMasks {
                     visible: masks.visible | ((visible >> bit & 1) as u32) << mask_bit,
                     possible: masks.possible | ((possible >> bit & 1) as u32) << mask_bit,
@@ -194,15 +195,6 @@ impl VisibilityEstimate {
         // Most points either see a light or not.
         if visible == possible { sum(visible) } else { 0.5 * (sum(visible) + sum(possible)) }
     }
-}
-
-/// Returns the set bits, ascending.
-fn ones(mut word: u64) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let bit = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (bit < 64).then_some(bit)
-    })
 }
 
 #[cfg(test)]

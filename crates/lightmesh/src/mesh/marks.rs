@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::bricks::Bricks;
+use crate::sampling::set_bits;
 
 /// Marks on all levels of a mesh.
 #[derive(Debug)]
@@ -68,11 +69,8 @@ impl LevelMarks {
         let mut marked = MarkedPoints::default();
         for (brick, words) in self.take_masks() {
             marked.new_bricks += u64::from(!bricks.exists(brick));
-            for (i, mut bits) in words.into_iter().enumerate() {
-                while bits != 0 {
-                    marked.points.push((brick, i * 64 + bits.trailing_zeros() as usize));
-                    bits &= bits - 1;
-                }
+            for (i, word) in words.into_iter().enumerate() {
+                marked.points.extend(set_bits::<64>(word).map(|bit| (brick, i * 64 + bit)));
             }
         }
         marked

@@ -1,14 +1,14 @@
 //! Rays that find out which corners of its cell a surface point sees, where clearances do not tell.
 
 use super::super::clearance::component;
-use super::super::corners::{corner, set_bits};
+use super::super::corners::{corner, corners_of};
 use super::super::probe::sees;
 use super::super::read_result::CornerVisibility;
 use super::super::stencil::Stencil;
 use super::Reader;
 use crate::geometry::Ray;
 use crate::interaction::ShadingPoint;
-use crate::sampling::{hash, seed_of_place};
+use crate::sampling::{hash, seed_of_position, unit_f32};
 
 impl Reader<'_> {
     /// Returns those of the usable corners that the vertex sees, or one of them. By their clearances, some may be
@@ -38,7 +38,7 @@ impl Reader<'_> {
             rest &= !component;
             let unoccluded = component & !occluded;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
-            let Some(heaviest) = set_bits(unoccluded).max_by(heavier) else { continue };
+            let Some(heaviest) = corners_of(unoccluded).max_by(heavier) else { continue };
             let is_whole_and_visible = component == usable && occluded & !visible == 0;
             if is_whole_and_visible || self.sees(vertex, heaviest) {
                 visible |= unoccluded;
@@ -49,15 +49,15 @@ impl Reader<'_> {
 
     /// Returns those of some corners that the vertex sees, by a ray to each.
     pub(super) fn trace_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
-        set_bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
+        corners_of(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
     /// Traces rays to corners in random order until one is visible: among those that the vertex sees, each is returned
     /// with a probability in proportion to its weight.
     fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
-        let mut seed = seed_of_place(vertex.position);
+        let mut seed = seed_of_position(vertex.position);
         while corners != 0 {
-            let k = choose(set_bits(corners).map(|k| (k, stencil.weight(k))), seed);
+            let k = choose(corners_of(corners).map(|k| (k, stencil.weight(k))), seed);
             if self.sees(vertex, k) {
                 return 1 << k;
             }
@@ -77,7 +77,7 @@ impl Reader<'_> {
 
 /// Returns one of the weighted items, of which there is at least one, in proportion to their weights.
 pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, seed: u32) -> T {
-    let u = (hash(seed) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    let u = unit_f32(hash(seed));
     let mut rest = u * weighted.clone().map(|(_, weight)| weight).sum::<f32>();
     let mut last = None;
     for (item, weight) in weighted {
@@ -93,20 +93,16 @@ pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::chi_square::assert_follows;
 
-    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; an item without weight is never chosen.
+    /// An item without weight is never chosen.
     #[test]
     fn choices_are_in_proportion_to_their_weights() {
         let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
-        let (mut counts, n) = ([0_u32; 6], 20_000_u32);
-        for i in 0..n {
+        let mut counts = [0; 6];
+        for i in 0..20_000 {
             counts[choose(weights.iter().copied().enumerate(), i)] += 1;
         }
-        let mut chi2 = 0.0;
-        for (&count, &weight) in counts.iter().zip(&weights) {
-            let expected = f64::from(weight) / 11.0 * f64::from(n);
-            if weight == 0.0 { assert_eq!(count, 0) } else { chi2 += (f64::from(count) - expected).powi(2) / expected }
-        }
-        assert!(chi2 < 23.5, "χ² = {chi2}");
+        assert_follows(&counts, &weights.map(f64::from));
     }
 }
