@@ -1,10 +1,10 @@
-//! The other front door: irradiance at given places, not through a camera.
+//! Measuring: irradiance at given points, without a camera.
 
 use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::integrator::{Lighting, measure_paths, measure_waves};
+use crate::integrator::{Lighting, MeterIrradiance, measure_paths, measure_waves};
 use crate::{Error, LightMesh, Meter, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// What meters have read and what it took.
@@ -74,12 +74,12 @@ pub fn measure(
     check_options(options)?;
     check_memory(meters.len() as u64, options.max_memory)?;
     meters.iter().enumerate().try_for_each(|(index, meter)| meter.check(index))?;
-    let ([direct, indirect], mut stats) = match options.method {
+    let (MeterIrradiance { direct, indirect }, mut stats) = match options.method {
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             mesh.check_serves(options)?;
-            measure_waves(scene, meters, options, Lighting::Mesh(mesh), progress)?
+            measure_waves(scene, meters, options, Lighting::from_mesh(mesh), progress)?
         }
     };
     stats.spp = stats.spp.max(1);

@@ -1,11 +1,11 @@
-//! The front door: one picture of a scene.
+//! Rendering: one picture of a scene through a camera.
 
 use std::time::Instant;
 
 use glam::Vec3;
 
 use crate::film::{Film, RenderClock};
-use crate::integrator::{Dots, Lighting, paint, render_path, render_waves};
+use crate::integrator::{Dots, Lighting, WaveFrame, adapt, paint, render_path};
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// A finished picture and what it took.
@@ -41,16 +41,17 @@ pub fn render(
         None => options.check_picture_memory()?,
     }
     let started = Instant::now();
-    let mut watch = RenderClock::new(progress, viewer, started, options.time_limit);
+    let mut clock = RenderClock::new(progress, viewer, started, options.time_limit);
     let mut film = new_film(scene, camera, options);
     let mut stats = match options.method {
-        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
-        Method::Path => render_path(scene, &mut film, options, &mut watch)?,
+        Method::Path => render_path(scene, &mut film, options, &mut clock)?,
+        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut clock)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             mesh.check_serves(options)?;
-            render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
+            render_waves(scene, &mut film, options, Lighting::from_mesh(mesh), &mut clock)?
         }
     };
+
     stats.spp = film.whole_passes();
     stats.time_limit_reached = stats.spp < options.spp;
     let film_frame = film.rays_and_size();
@@ -68,7 +69,22 @@ pub fn render(
     Ok(Frame { image, layers, stats })
 }
 
-/// An empty film.
+/// Adapts mesh and lighting to the picture, then draws it.
+fn render_waves(
+    scene: &Scene,
+    film: &mut Film,
+    options: &RenderOptions,
+    lighting: Lighting<'_>,
+    clock: &mut RenderClock<'_>,
+) -> Result<RenderStats, Error> {
+    let mut stats = RenderStats::default();
+    let mut frame = WaveFrame::new(scene, options, lighting);
+    let plan = adapt(&mut frame, film, clock, &mut stats)?;
+    frame.draw_picture(film, plan, clock, &mut stats)?;
+    Ok(stats)
+}
+
+/// Makes the empty film of a picture.
 pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
     let mut film = Film::new(camera, options);
     if !scene.averages_textures() {

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 pub use super::gather_batch::{BounceValues, GatherBatch};
 use super::partial_image::{PictureSamples, Prepared, check_waves, film_of};
-use super::waves::demand_of_portion;
+use super::waves::request_waves;
 use crate::film::RenderClock;
 use crate::light_mesh::take_requests;
 use crate::mesh::requests;
@@ -44,8 +44,8 @@ pub fn demand(
     check_waves(&film, &waves)?;
     film.begin_portion(waves);
     let mut watch = RenderClock::new(progress, None, Instant::now(), None);
-    let marks = demand_of_portion(scene, &mut film, options, (mesh, prepared.plan), &mut watch)?;
-    Ok(marks.map_or_else(PointRequests::default, take_requests))
+    let marks = request_waves(scene, &mut film, options, mesh, prepared.plan, &mut watch)?;
+    Ok(take_requests(marks))
 }
 
 /// Evaluates points of the direct mesh, those that are there already left out. The rays that it took.

@@ -125,8 +125,9 @@ impl GatherBatch {
         let mut direct = mesh.direct.marks();
         if self.field.links() {
             let points = mesh.direct.points();
-            let mark =
-                |gather: &GatherRays| points.demand(scene, &gather.lit.vertices, &direct, CornerVisibility::Stochastic);
+            let mark = |gather: &GatherRays| {
+                points.demand(scene, &gather.hits.vertices, &direct, CornerVisibility::Stochastic)
+            };
             self.gathers.par_iter().for_each(mark);
         }
         let mut indirect = self.field.points().marks();

@@ -10,7 +10,7 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use super::waves::{plan_waves, render_portion_on};
+use super::waves::{WaveMethod, draw_waves, plan_waves};
 use crate::api::new_film;
 use crate::direct::LightingPlan;
 use crate::film::{Film, RenderClock};
@@ -127,9 +127,12 @@ pub fn render(
     let pixels = film.portion_pixels(waves.clone());
     film.begin_portion(waves.clone());
     let started = Instant::now();
-    let lighting = lighting(options, mesh)?.map(|lighting| (lighting, prepared.plan));
+    let method = match lighting(options, mesh)? {
+        Some(lighting) => WaveMethod::Lit { lighting, plan: prepared.plan },
+        None => WaveMethod::Paths,
+    };
     let mut watch = RenderClock::new(progress, None, started, None);
-    let mut stats = render_portion_on(scene, &mut film, options, lighting, &mut watch)?;
+    let mut stats = draw_waves(scene, &mut film, options, method, &mut watch)?;
     stats.seconds.render = started.elapsed().as_secs_f64();
     stats.estimated_error = prepared.stats.estimated_error;
     Ok(Portion { waves, values: film.copy_pixels(&pixels), seen: film.copy_seen(&pixels), stats })
@@ -278,7 +281,7 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
         Method::Standard => Ok(Some(Lighting::Exact)),
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
             mesh.check_serves(options)?;
-            Ok(Some(Lighting::Mesh(mesh)))
+            Ok(Some(Lighting::from_mesh(mesh)))
         }
     }
 }

@@ -184,7 +184,7 @@ impl IndirectField {
     ) -> Result<(), Error> {
         // Light at the hits: the direct mesh, one wave deeper.
         if self.links() {
-            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
+            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
             let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
@@ -194,19 +194,16 @@ impl IndirectField {
                 self.splat(&mut emission, gather.lobes[ray as usize], radiance);
             }
             if self.links() {
-                for (vertex, &irradiance) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
-                    self.splat(&mut first, gather.lobes[vertex.pixel as usize], vertex.weight * irradiance);
+                for (vertex, &irradiance) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
+                    self.splat(&mut first, gather.lobes[vertex.id as usize], vertex.weight * irradiance);
                     self.gather_hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
                 }
-                self.gather_hit_irradiance.1 += gather.lit.vertices.len() as u64;
+                self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
             }
             let sides = self.faces.count();
             gathered.emission.extend_from_slice(&emission[..sides]);
             gathered.first.extend(first[..sides].iter().zip(&emission).map(|(f, e)| f + e));
-            gather.lit.take_counts(direct.stats);
-            let rays = std::mem::take(&mut gather.rays);
-            direct.stats.rays.gather += rays;
-            direct.reporter.add(0, rays);
+            gather.take_counts(direct);
         }
         Ok(())
     }
@@ -247,9 +244,9 @@ impl IndirectField {
                 let mut reader = field.points.reader(scene, CornerVisibility::Stochastic);
                 let mut corners = Vec::with_capacity(8);
                 linked.transfers.clear();
-                linked.transfers.reserve(gather.lit.vertices.len());
+                linked.transfers.reserve(gather.hits.vertices.len());
                 linked.complete = true;
-                for vertex in &gather.lit.vertices {
+                for vertex in &gather.hits.vertices {
                     corners.clear();
                     let from = match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
                         ReadResult::Value => choose(corners.iter().copied(), seed_of_place(vertex.position)),
@@ -259,7 +256,7 @@ impl IndirectField {
                             continue;
                         }
                     };
-                    let lobe = gather.lobes[vertex.pixel as usize];
+                    let lobe = gather.lobes[vertex.id as usize];
                     linked.transfers.push(Transfer { from, n: vertex.n, weight: vertex.weight, lobe });
                 }
                 // Stable: the sums keep the order of the rays.

@@ -10,10 +10,7 @@ use crate::geometry::{Cone, Ray, offset_origin, offset_origins};
 use crate::scene::{ColorEncoding, Material, TextureRef};
 use crate::world::Scene;
 
-/// BLEND and MASK layers that a ray may pass in a row.
-pub(crate) const MAX_TRANSPARENT_HITS: u8 = 64;
-
-/// A surface point that wants light: what a tracer needs to know of it.
+/// A surface point to be lit: what direct and indirect lighting need to know of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadingPoint {
     /// Metres, world space.
@@ -24,10 +21,11 @@ pub(crate) struct ShadingPoint {
     pub ng: Vec3,
     /// The largest coordinate of the object that was hit, metres: sets how far rays start off the surface.
     pub extent: f32,
-    /// Radiance at the film per unit of irradiance: throughput · albedo / π.
+    /// Radiance that reaches the start of the path, at the film or along a gather ray, per unit of irradiance here:
+    /// throughput · albedo / π.
     pub weight: Vec3,
-    /// Which film pixel it belongs to.
-    pub pixel: u32,
+    /// Whatever the tracer numbers its paths by: the film's pixel, or the index of the gather ray.
+    pub id: u32,
 }
 
 impl ShadingPoint {
@@ -67,15 +65,15 @@ pub(crate) struct ShadedHit {
 }
 
 impl ShadedHit {
-    /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(crate) fn shading_point(&self, beta: Vec3, pixel: u32) -> ShadingPoint {
+    /// The surface as a point to be lit, which path number `id` has reached with throughput `beta`.
+    pub(crate) fn shading_point(&self, beta: Vec3, id: u32) -> ShadingPoint {
         ShadingPoint {
             position: self.position,
             n: self.n,
             ng: self.ng,
             extent: self.extent,
             weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
-            pixel,
+            id,
         }
     }
 
