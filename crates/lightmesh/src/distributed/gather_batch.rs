@@ -235,7 +235,7 @@ impl GatherBatch {
     ///
     /// # Errors
     /// [`Error::InvalidOption`] before that.
-    pub fn contents(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
+    pub fn snapshot(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
         if self.field.bounce_values.iter().any(|level| level.len() < own.len() * self.field.faces.count()) {
             let what = "the last reflection is still to come".into();

@@ -7,8 +7,8 @@ mod outlines;
 mod pass;
 mod passes;
 mod picture;
-mod portion;
 mod sketch;
+mod waves;
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Some waves of a pass: what they bring to the film, taken off it and put on another one.
+//! Some waves of a pass: their light, copied from one film to another.
 
 use std::ops::Range;
 
@@ -11,14 +11,14 @@ impl Film {
     }
 
     /// Lets the pass begin and end with some of its waves.
-    pub(crate) fn begin_portion(&mut self, waves: Range<u64>) {
+    pub(crate) fn begin_waves(&mut self, waves: Range<u64>) {
         let (wave, all) = (self.samples_per_wave(), self.sample_count());
         self.pass.done = (waves.start * wave).min(all);
         self.pass.end = Some((waves.end * wave).min(all));
     }
 
     /// The pixels of some waves of the pass, in the order in which they are sampled.
-    pub(crate) fn portion_pixels(&self, waves: Range<u64>) -> Vec<u32> {
+    pub(crate) fn wave_pixels(&self, waves: Range<u64>) -> Vec<u32> {
         let wave = self.samples_per_wave() / self.pass.samples_per_pixel();
         let all = self.pass_pixels();
         let numbers = (waves.start * wave).min(all)..(waves.end * wave).min(all);
