@@ -23,7 +23,7 @@ const INV_GOLDEN: u32 = 2_654_435_769;
 /// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(crate) struct GatherRays {
-    /// By ray.
+    /// By ray: irradiance per unit of radiance that arrives along it.
     pub lobes: Vec<Vec3>,
     /// Emission that rays met, cd/m² times throughput, with the ray's number.
     pub emitted: Vec<(u32, Vec3)>,
@@ -64,8 +64,8 @@ pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     directions
 }
 
-/// A place on a curve that fills the sphere: the Morton code of the direction's place on the octahedron, unfolded, of 256 × 256
-/// cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
+/// The position of a direction on a curve that fills the sphere: its Morton code on the unfolded octahedron of 256 × 256 cells
+/// (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
 fn octahedral_morton(d: Vec3) -> u32 {
     let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
     let folded = |a: f32, b: f32| if p.z < 0.0 { (1.0 - b.abs()) * 1.0_f32.copysign(a) } else { a };
@@ -74,10 +74,10 @@ fn octahedral_morton(d: Vec3) -> u32 {
     (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
 }
 
-/// How rays of a hemisphere are spread over its heights, of which each has an equal part.
+/// Where in its stratum of the hemisphere's height a ray lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strata {
-    /// In the middle of its part: least noise where there are many.
+    /// In the middle: least noise where there are many.
     Centered,
     /// Anywhere in it: the expectation is exact.
     Jittered,
@@ -89,8 +89,8 @@ pub(super) fn unit(bits: u32) -> f32 {
 }
 
 /// The seed of a mesh point.
-pub(super) fn seed_of_point(seed: u64, at: Address) -> u32 {
-    seed_of_coordinate(seed.wrapping_add(u64::from(at.level) << 48), at.coordinate)
+pub(super) fn seed_of_point(seed: u64, address: Address) -> u32 {
+    seed_of_coordinate(seed.wrapping_add(u64::from(address.level) << 48), address.coordinate)
 }
 
 fn seed_of_coordinate(seed: u64, c: Coordinate) -> u32 {
@@ -112,7 +112,7 @@ pub(super) fn random_rotation(seed: u32) -> Mat3 {
 }
 
 impl GatherRays {
-    /// Memory, bytes.
+    /// Returns its memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let rays = size_of::<Vec3>() + size_of::<Ray>() + size_of::<u32>() + size_of::<Option<Hit>>();
         self.batch.len() * rays + size_of_val(self.emitted.as_slice()) + size_of_val(self.hits.vertices.as_slice())
@@ -126,8 +126,8 @@ impl GatherRays {
         direct.reporter.add(0, rays);
     }
 
-    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the side of ±x,
-    /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each side.
+    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the cube face of ±x,
+    /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each face.
     pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
         let rotation = random_rotation(seed);
         self.lobes.clear();
