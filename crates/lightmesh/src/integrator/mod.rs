@@ -30,5 +30,5 @@ pub(crate) use lighting::Lighting;
 pub(crate) use meter_paths::measure_paths;
 pub(crate) use meters::{MeterIrradiance, measure_waves};
 pub(crate) use path::{render_path, trace_pass};
-pub(crate) use points_overlay::{Dots, paint};
+pub(crate) use points_overlay::{Dots, PointCloud, paint_points};
 pub(crate) use wave::{WaveFrame, WaveSink};

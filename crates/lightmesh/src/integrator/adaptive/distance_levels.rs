@@ -25,12 +25,12 @@ pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: 
     let Lighting::Mesh { mesh, .. } = &mut frame.lighting else { return };
 
     // Find where the picture's surfaces are.
-    let (rays, width, _) = film.rays_and_size();
+    let view = film.view();
     let pixels = film.draw(options.seed, 3, PIXELS);
     let visible: Vec<_> = pixels
         .par_iter()
-        .filter_map(|pixel| {
-            let ray = rays.ray((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5);
+        .filter_map(|&pixel| {
+            let ray = view.pixel_ray(pixel);
             scene.bvh().closest(&ray).map(|hit| ray.at(hit.t))
         })
         .collect();
@@ -39,9 +39,9 @@ pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: 
     // Refine both meshes. A part of the whole limit, not of what is left of it: a frame must not depend on what came before.
     let budget = (MEMORY_SHARE * options.max_memory as f64) as u64;
     let most = cells_that_fit(budget, mesh.direct.bytes_per_point());
-    mesh.direct.points_mut().refine_by_distance(rays.eye(), metres, &visible, most);
+    mesh.direct.points_mut().refine_by_distance(view.rays.eye(), metres, &visible, most);
     if let Some(field) = &mut mesh.indirect {
         let most = cells_that_fit(budget, field.bytes_per_point());
-        field.points_mut().refine_by_distance(rays.eye(), metres, &visible, most);
+        field.points_mut().refine_by_distance(view.rays.eye(), metres, &visible, most);
     }
 }
