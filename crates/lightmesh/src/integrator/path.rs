@@ -26,7 +26,7 @@ const BLOCK: u64 = 256;
 const ROULETTE_AFTER: u32 = 3;
 
 /// Paths that go on from the first diffuse surface of a camera ray (splitting: Arvo and Kirk, "Particle Transport and Image
-/// Synthesis", SIGGRAPH 1990): what is left of the noise there is in the indirect light. Measured on the Cornell box, 64 samples:
+/// Synthesis", SIGGRAPH 1990): the noise that is left there is in the indirect light. Measured on the Cornell box, 64 samples:
 /// error 12.2% with one path and 50.8 M bounces, 8.1% with two and 101.6 M; 10.1% with one and no roulette, 87.4 M.
 const SPLITS: u32 = 2;
 
@@ -35,11 +35,11 @@ pub(crate) fn render_path(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    watch: &mut RenderClock<'_>,
+    clock: &mut RenderClock<'_>,
 ) -> Result<RenderStats, Error> {
     let mut stats = RenderStats::default();
-    take_samples(film, options, SumOrder::Samples, watch, |film, watch, reporter| {
-        trace_pass(scene, options, film, watch, reporter, &mut stats)
+    take_samples(film, options, SumOrder::Samples, clock, |film, clock, reporter| {
+        trace_pass(scene, options, film, clock, reporter, &mut stats)
     })?;
     Ok(stats)
 }
@@ -49,12 +49,13 @@ pub(crate) fn trace_pass(
     scene: &Scene,
     options: &RenderOptions,
     film: &mut Film,
-    watch: &mut RenderClock<'_>,
+    clock: &mut RenderClock<'_>,
     reporter: &Reporter<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
     let started = std::time::Instant::now();
-    while let Some(samples) = watch.next_wave(film) {
+    while let Some(samples) = clock.next_wave(film) {
+        // Trace blocks of samples in parallel.
         let first = film.done();
         let end = first + samples;
         let camera = &*film;
@@ -68,17 +69,19 @@ pub(crate) fn trace_pass(
         if reporter.cancelled() {
             return Err(Error::Cancelled);
         }
+
+        // Add them to the film in order.
         for block in blocks {
             block.add_to(film);
             stats.rays += block.rays;
         }
-        watch.wave_done(film, samples);
+        clock.wave_done(film, samples);
     }
     stats.seconds.shade += started.elapsed().as_secs_f64();
     Ok(())
 }
 
-/// What came of some samples.
+/// What some samples have brought to the film.
 struct PathBlock {
     radiance: Vec<(u32, Radiance)>,
     first_hits: FirstHits,
@@ -123,7 +126,7 @@ impl PathBlock {
     }
 }
 
-/// Radiance along a path, cd/m², or irradiance: all of it, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] have of it.
+/// Radiance along a path, cd/m², or irradiance: the sum, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Radiance {
     all: Vec3,
@@ -137,7 +140,7 @@ impl Radiance {
         *(if aov == Aov::Direct { &mut self.direct } else { &mut self.indirect }) += radiance;
     }
 
-    /// Adds a share of another path's.
+    /// Adds a share of another path's radiance.
     fn add_part(&mut self, path: Self, share: f32) {
         self.all += path.all * share;
         self.direct += path.direct * share;
@@ -154,17 +157,18 @@ pub(super) struct PathTracer<'a> {
     first_hits: FirstHits,
 }
 
-/// How the ray at hand came about: what the emission that it meets counts.
+/// Where a ray comes from, which decides how much the emission that it meets counts.
 #[derive(Clone, Copy, Debug)]
 enum RayOrigin {
-    /// From the camera, by mirrors and glass alone: everything that shines is seen, unlit surfaces too.
+    /// From the camera, by mirrors and glass alone: all emission counts, that of unlit surfaces too.
     Camera,
     /// By a mirror from a diffuse surface: no light sample leads here.
     Specular,
-    /// From a diffuse surface in a direction of this density (per steradian), through nothing: half of an estimate, the other half
-    /// is a light sample.
+    /// From a diffuse surface in a direction of this density (per steradian), through nothing: one half of an estimate, of which
+    /// light samples are the other one.
     Bsdf { pdf: f32 },
-    /// From a diffuse surface through glass or layers, where shadow rays go as well: they count it.
+    /// From a diffuse surface through glass or partly transparent surfaces: shadow rays go through them as well and count the
+    /// emission.
     Transmitted,
 }
 
@@ -316,8 +320,8 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their
-    /// share of the estimate.
+    /// Estimates direct irradiance: from every punctual light, and, weighted against paths, from a point on an area light and a
+    /// direction of the environment.
     fn direct(&mut self, point: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let (scene, falloff) = (self.scene, self.options.falloff);
         let mut sum = Vec3::ZERO;
@@ -335,7 +339,7 @@ impl<'a> PathTracer<'a> {
         sum
     }
 
-    /// What the emission of a surface counts.
+    /// The part of a surface's emission that counts at the end of a ray.
     fn emission(&self, ray: &Ray, hit: &Hit, surface: &ShadedHit, origin: RayOrigin) -> Vec3 {
         let area = &self.scene.emitters().area;
         let light = || area.pdf(self.scene.data(), hit.target);
@@ -354,7 +358,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// What the environment counts.
+    /// The part of the environment's radiance that counts at the end of a ray.
     fn sky(&self, ray: &Ray, origin: RayOrigin) -> Vec3 {
         let Some(environment) = &self.scene.emitters().environment else { return Vec3::ZERO };
         let direction = ray.direction.normalize();

@@ -12,21 +12,21 @@ use crate::world::Scene;
 /// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
 const LEAST_COS: f32 = 1.0 / 32.0;
 
-/// The footprints, in both sets of texture coordinates, of the cone about a ray of unit direction that hit `place`. User-defined
+/// The footprints, in both sets of texture coordinates, of the cone about a ray of unit direction that hit a surface. User-defined
 /// shapes have none, as they do not give the gradients of their coordinates.
 pub(super) fn footprints(
     scene: &Scene,
     ray: &Ray,
     cone: Cone,
     hit: &Hit,
-    place: &SurfaceInteraction<'_>,
+    interaction: &SurfaceInteraction<'_>,
 ) -> [Footprint; 2] {
-    let material = &scene.data().materials[place.material];
+    let material = &scene.data().materials[interaction.material];
     if !material.has_averaged_textures() || cone == Cone::POINT {
         return [Footprint::POINT; 2];
     }
-    let section = Section::new(ray.direction, place.ng, cone, hit.t);
-    match (hit.target, &place.triangle) {
+    let section = Section::new(ray.direction, interaction.ng, cone, hit.t);
+    match (hit.target, &interaction.triangle) {
         (_, Some(triangle)) => {
             let section = section.footprint(barycentric_gradients(triangle));
             [0, 1].map(|set| match triangle.mesh.uvs[set].as_slice() {
@@ -35,7 +35,7 @@ pub(super) fn footprints(
             })
         }
         (Target::Sphere(i), None) => {
-            [section.footprint(sphere_gradients(&scene.data().spheres[i as usize], place.position)); 2]
+            [section.footprint(sphere_gradients(&scene.data().spheres[i as usize], interaction.position)); 2]
         }
         _ => [Footprint::POINT; 2],
     }
@@ -45,7 +45,7 @@ pub(super) fn footprints(
 struct Section {
     /// What two perpendicular diameters of the cone meet. Which two does not matter to how the section spreads.
     diameters: (Vec3, Vec3),
-    /// From the place that the ray hits to the middle.
+    /// From the point that the ray hits to the middle.
     offset: Vec3,
 }
 
@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Texture coordinates that are linear functions of the place: how they grow are the functions' gradients.
+    /// Texture coordinates that are linear functions of the position: their gradients are those of the functions.
     #[test]
     fn gradients_of_linear_coordinates() {
         let mesh = TriangleMesh::default();
