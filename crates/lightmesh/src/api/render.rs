@@ -24,8 +24,8 @@ pub struct Frame {
 /// [`Viewer`](crate::Viewer) looks at it, unless its time is limited.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before an
-/// allocation that would exceed `options.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
+/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before
+/// an allocation that would exceed `options.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
 pub fn render(
     scene: &Scene,
     camera: &Camera,

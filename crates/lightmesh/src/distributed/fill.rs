@@ -10,8 +10,8 @@ use crate::mesh::{BrickMask, PointRequests, requests};
 use crate::progress::Reporter;
 use crate::{Camera, Error, LightMesh, Progress, RayCounts, RenderOptions, Scene, Stage};
 
-/// Finds the mesh points that the samples of some waves read and that are empty; none for the methods without a mesh. Where
-/// meshes have finer levels, ask again when these points are filled, [`LightMesh::level_count`] times in all.
+/// Finds the mesh points that the samples of some waves read and that are empty; none for the methods without a mesh.
+/// Where meshes have finer levels, ask again when these points are filled, [`LightMesh::level_count`] times in all.
 ///
 /// # Errors
 /// As [`render_waves`](super::render_waves).

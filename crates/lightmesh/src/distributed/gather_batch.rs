@@ -7,8 +7,8 @@
 //! | light | the direct light where the rays end | the points of the direct mesh there |
 //! | bounce k | T_k, for k = 0 … N | T_{k−1} of the points that the hits read |
 //!
-//! Points that hits read are requested in their turn, until there are no new ones. The values are those of a mesh that one process
-//! fills, bit for bit: they depend on the points alone.
+//! Points that hits read are requested in their turn, until there are no new ones. The values are those of a mesh that
+//! one process fills, bit for bit: they depend on the points alone.
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -63,11 +63,13 @@ impl BounceValues {
 }
 
 impl GatherBatch {
-    /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others and finds the
-    /// points that their hits read. `mesh` only gives lattices and settings; it need not have any points.
+    /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others
+    /// and finds the points that their hits read. `mesh` only gives lattices and settings; it need not have any
+    /// points.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::InvalidOption`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn new(
         scene: &Scene,
         options: &RenderOptions,
@@ -140,8 +142,8 @@ impl GatherBatch {
         PointRequests { direct: requests::take(&mut direct), indirect: requests::take(&mut indirect) }
     }
 
-    /// Lights the hits of the rays from the direct mesh, which is filled where points are missing, and drops the rays. Called again,
-    /// it does nothing.
+    /// Lights the hits of the rays from the direct mesh, which is filled where points are missing, and drops the rays.
+    /// Called again, it does nothing.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -166,8 +168,8 @@ impl GatherBatch {
         Ok(())
     }
 
-    /// Computes T_k of its points. `below` has T_{k−1} of all the points that hits read; it is not used where k is 0. Ask for one
-    /// bounce after the other; one that is computed already is returned again.
+    /// Computes T_k of its points. `below` has T_{k−1} of all the points that hits read; it is not used where k is 0.
+    /// Ask for one bounce after the other; one that is computed already is returned again.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] where a point is missing below, or the bounce is not the next.

@@ -10,8 +10,8 @@ use crate::film::{Film, RenderClock};
 use crate::integrator::Lighting;
 use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
-/// What the waves of a picture have in common: how they are lit so that the error keeps to its bound, and where meshes are finer. It
-/// is the same whichever process finds it out.
+/// What the waves of a picture have in common: how they are lit so that the error keeps to its bound, and where meshes
+/// are finer. It is the same whichever process finds it out.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub(crate) plan: LightingPlan,
@@ -71,8 +71,8 @@ pub struct WaveRequest<'a> {
 pub struct PartialImage {
     /// Which waves.
     pub waves: Range<u64>,
-    /// By pixel, in the order in which they are sampled (tiles of 32 × 32 pixels): the sums of its samples' red, green and blue, cd/m²,
-    /// and of the layers' channels.
+    /// By pixel, in the order in which they are sampled (tiles of 32 × 32 pixels): the sums of its samples' red, green
+    /// and blue, cd/m², and of the layers' channels.
     pub values: Vec<f32>,
     /// By pixel, as in [`EmitterEdges::emitter_seen`]; empty where there are no emitters.
     pub emitter_seen: Vec<u8>,
@@ -115,7 +115,8 @@ pub fn wave_count(options: &RenderOptions) -> Result<u64, Error> {
 /// Prepares for the waves of a picture; `mesh` stays refined for it until another picture is prepared or rendered.
 ///
 /// # Errors
-/// As [`crate::render()`]; [`Error::InvalidOption`] for what needs the whole picture at once: a time limit, and [`Aov::Points`].
+/// As [`crate::render()`]; [`Error::InvalidOption`] for what needs the whole picture at once: a time limit, and
+/// [`Aov::Points`].
 pub fn prepare(
     scene: &Scene,
     camera: &Camera,
@@ -136,8 +137,8 @@ pub fn prepare(
 /// Takes the samples of some waves of a picture; what the mesh lacks for them is filled.
 ///
 /// # Errors
-/// As [`prepare`]; [`Error::InvalidOption`] where the mesh has been made ready for another picture since, and for waves that the picture
-/// does not have.
+/// As [`prepare`]; [`Error::InvalidOption`] where the mesh has been made ready for another picture since, and for
+/// waves that the picture does not have.
 pub fn render_waves(
     scene: &Scene,
     camera: &Camera,
@@ -162,7 +163,8 @@ pub fn render_waves(
     Ok(PartialImage { waves, values: film.copy_pixels(&pixels), emitter_seen: film.copy_seen(&pixels), stats })
 }
 
-/// Finds the pixels on edges of emitters, from all waves of a picture. Returns `None` where no pixel has to be sampled anew.
+/// Finds the pixels on edges of emitters, from all waves of a picture. Returns `None` where no pixel has to be sampled
+/// anew.
 ///
 /// # Errors
 /// [`Error::InvalidOption`] where waves are missing or twice, or not of this picture.
@@ -189,8 +191,8 @@ pub fn find_emitter_edges(
     Ok(any.then(|| EmitterEdges { emitter_seen, waves: film.wave_count() }))
 }
 
-/// Merges all waves of a picture and, where there are emitter edges, all waves of theirs. Seconds and rays are sums over the
-/// parts.
+/// Merges all waves of a picture and, where there are emitter edges, all waves of theirs. Seconds and rays are sums
+/// over the parts.
 ///
 /// # Errors
 /// [`Error::InvalidOption`] where waves are missing or twice, or not of this picture.

@@ -1,5 +1,5 @@
-//! Filling the indirect field: gather rays from every marked point, and from every point that their hits read, until none is
-//! missing; then bounce after bounce over all of them.
+//! Filling the indirect field: gather rays from every marked point, and from every point that their hits read, until
+//! none is missing; then bounce after bounce over all of them.
 
 use std::time::Instant;
 
@@ -18,12 +18,13 @@ use crate::{Error, RenderOptions, Scene};
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
 pub(crate) const POINTS_AT_ONCE: usize = 256;
 
-/// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the mesh.
+/// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the
+/// mesh.
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
-    /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the rays
-    /// is the mean over the corners, at an eighth of the reads. [`Transfer::NO_POINT`] where none can serve, as in a narrow gap:
-    /// such surfaces get the mean of the others' irradiance, for they must not swallow light.
+    /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the
+    /// rays is the mean over the corners, at an eighth of the reads. [`Transfer::NO_POINT`] where none can serve, as
+    /// in a narrow gap: such surfaces get the mean of the others' irradiance, for they must not swallow light.
     from: u32,
     /// The surface's normal.
     n: Vec3,
@@ -121,8 +122,8 @@ impl IndirectField {
         Ok(pending)
     }
 
-    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on are being
-    /// filled. Returns how many rays that took.
+    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on
+    /// are being filled. Returns how many rays that took.
     pub(crate) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
         let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
         let marked = self.points.take(marks, costs, self.max_memory)?;

@@ -1,14 +1,14 @@
 //! Indirect light without bias: gather rays, with the indirect mesh as control variate of what arrives where they end.
 //!
-//! At a surface, the irradiance of k reflections or fewer, the sum of formula (4) over its hemisphere, is
-//! E_k = π ⟨Le + a/π (D + E_{k−1})⟩, the mean over rays in proportion to the cosine; D is the direct irradiance where they end,
-//! itself an unbiased estimate. The mesh approximates E_{k−1} there by M. With probability q a ray goes on, and finds an estimate U
-//! of the same kind with one ray of its own. Then
+//! At a surface, the irradiance of k reflections or fewer, the sum of formula (4) over its hemisphere, is E_k = π ⟨Le
+//! + a/π (D + E_{k−1})⟩, the mean over rays in proportion to the cosine; D is the direct irradiance where they end,
+//! itself an unbiased estimate. The mesh approximates E_{k−1} there by M. With probability q a ray goes on, and finds
+//! an estimate U of the same kind with one ray of its own. Then
 //!
 //! > M + (U − M) / q if it goes on, M if not
 //!
 //! has the expectation E_{k−1}, whatever M is; where no point can be read, 0. It is final gathering with a correction
-//! for the mesh: with q = 0 it would be the mesh's own answer, with M = 0 path tracing with Russian roulette.
+//! for the mesh: with q = 0 it would be the mesh's own irradiance, with M = 0 path tracing with Russian roulette.
 
 use std::f32::consts::PI;
 
@@ -23,11 +23,13 @@ use crate::interaction::ShadingPoint;
 use crate::mesh::{CornerVisibility, Marks};
 use crate::sampling::hash;
 
-/// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q = 1, and the noise
-/// of a ray that goes on and on does not grow. Empirical: docs/accuracy.md has error and time of others.
+/// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q
+/// = 1, and the noise of a ray that goes on and on does not grow. Empirical: docs/accuracy.md has error and time of
+/// others.
 const GO_ON: std::ops::RangeInclusive<f32> = 0.05..=0.95;
 
-/// Surface points whose rays are alive at a time, and rays that make a list. Empirical: a list for each surface took twice the time.
+/// Surface points whose rays are alive at a time, and rays that make a list. Empirical: a list for each surface took
+/// twice the time.
 const AT_ONCE: usize = 1 << 14;
 const RAYS: usize = 256;
 
@@ -105,7 +107,8 @@ impl IndirectField {
         Ok(irradiance)
     }
 
-    /// Estimates the indirect irradiance at each hit of each gather: what the mesh says, corrected by the rays that go on.
+    /// Estimates the indirect irradiance at each hit of each gather: what the mesh says, corrected by the rays that go
+    /// on.
     fn correct(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
@@ -129,17 +132,17 @@ impl IndirectField {
         }
 
         // Replace the mesh's M by M + (U − M) / q where a ray has gone on.
-        let further = GatherPaths { bounces, rays: 1, ..paths };
-        let further = self.estimate_unbiased(direct, marks, &going_on, further)?;
-        for ((index, q), u) in corrections.into_iter().zip(further) {
+        let paths = GatherPaths { bounces, rays: 1, ..paths };
+        let found = self.estimate_unbiased(direct, marks, &going_on, paths)?;
+        for ((index, q), u) in corrections.into_iter().zip(found) {
             let m = estimates[index];
             estimates[index] = m + (u - m) / q;
         }
         Ok(estimates)
     }
 
-    /// Reads the mesh at the hits of all gathers, one after the other, and fills it as far as they need. Returns `None` for hits that
-    /// no mesh point can serve.
+    /// Reads the mesh at the hits of all gathers, one after the other, and fills it as far as they need. Returns
+    /// `None` for hits that no mesh point can serve.
     fn read_hits(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
@@ -147,6 +150,7 @@ impl IndirectField {
         batch: &[GatherRays],
         bounces: u32,
     ) -> Result<Vec<Option<Vec3>>, Error> {
+        // Read everything again after each fill, until no hit waits.
         loop {
             let field = &*self;
             let read = |gather: &GatherRays| -> (Option<Vec<Option<Vec3>>>, u64) {

@@ -1,13 +1,13 @@
 //! The indirect field: formula (4) at the points of its own, coarser mesh, bounce by bounce, and formula (6) over them.
 //!
-//! T_k is the light that arrives after k diffuse reflections or fewer, without direct light and other light that light samples
-//! stand for: T_0 is the emission that gather rays find, and
+//! T_k is the light that arrives after k diffuse reflections or fewer, without direct light and other light that light
+//! samples stand for: T_0 is the emission that gather rays find, and
 //!
 //! > T_k(x) = gather(Le + a/π (E + T_{k−1})), k = 1 … N,
 //!
-//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. T_k of a point depends on T_{k−1} of all
-//! points that its rays read, never on the order in which points were filled; every bounce is kept, so that points that are marked
-//! later can be computed from those that are there.
+//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. T_k of a point depends on T_{k−1}
+//! of all points that its rays read, never on the order in which points were filled; every bounce is kept, so that
+//! points that are marked later can be computed from those that are there.
 
 use glam::{Vec3, Vec4};
 
@@ -127,8 +127,9 @@ impl IndirectField {
         }
     }
 
-    /// Estimates what bounces after the last one would add, as a part of all light that arrives, their own included: as if the
-    /// last bounces' ratio went on for ever. Returns 0 where there is no indirect light, `None` where the ratio is 1 or more.
+    /// Estimates what bounces after the last one would add, as a part of all light that arrives, their own included:
+    /// as if the last bounces' ratio went on for ever. Returns 0 where there is no indirect light, `None` where the
+    /// ratio is 1 or more.
     pub(crate) fn truncated_light(&self, bounces: u32) -> Option<f64> {
         let mean = |bounce: usize| {
             let values = &self.bounce_values[bounce];
@@ -152,8 +153,8 @@ impl IndirectField {
     }
 }
 
-/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
-/// that normal is kept.
+/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about
+/// surfaces of that normal is kept.
 pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
     values: &'a [Vec4],

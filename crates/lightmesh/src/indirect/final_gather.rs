@@ -17,8 +17,8 @@ const RAYS: u32 = 64;
 const AT_ONCE: usize = 1024;
 
 impl IndirectField {
-    /// Computes the indirect irradiance at each of the points after so many `bounces`: formula (4) over their own hemispheres, with
-    /// the mesh read where the rays end. Other seeds give other rays.
+    /// Computes the indirect irradiance at each of the points after so many `bounces`: formula (4) over their own
+    /// hemispheres, with the mesh read where the rays end. Other seeds give other rays.
     ///
     /// # Errors
     /// As [`IndirectField::fill`].
@@ -60,8 +60,8 @@ impl IndirectField {
         Ok(irradiance)
     }
 
-    /// Sums the light that arrives along each point's rays. Hits that cannot read the mesh in their turn lie in the same gap as
-    /// the point, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
+    /// Sums the light that arrives along each point's rays. Hits that cannot read the mesh in their turn lie in the
+    /// same gap as the point, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
     fn sum_arriving(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,

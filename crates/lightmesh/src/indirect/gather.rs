@@ -1,9 +1,9 @@
-//! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose light
-//! arrives there. The sum of formula (4) over evenly spread directions.
+//! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose
+//! light arrives there. The sum of formula (4) over evenly spread directions.
 //!
-//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light over a plane is
-//! a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light with them: the kernel's
-//! tails reach beyond finite walls.
+//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light
+//! over a plane is a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light
+//! with them: the kernel's tails reach beyond finite walls.
 
 use std::f32::consts::{PI, TAU};
 
@@ -27,8 +27,8 @@ pub(crate) struct GatherRays {
     pub lobes: Vec<Vec3>,
     /// Emission that rays met, cd/m² times throughput, with the ray's number.
     pub emitted: Vec<(u32, Vec3)>,
-    /// The diffuse surfaces at which rays ended: ids are indices of rays, weights the radiance that arrives along the ray per unit
-    /// of irradiance at the surface.
+    /// The diffuse surfaces at which rays ended: ids are indices of rays, weights the radiance that arrives along the
+    /// ray per unit of irradiance at the surface.
     pub hits: ShadingBatch,
     /// Rays traced.
     pub rays: u64,
@@ -48,9 +48,9 @@ pub(super) struct HemisphereRays {
     pub strata: Strata,
 }
 
-/// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical Fibonacci
-/// Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same parts of the scene and of
-/// its meshes.
+/// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical
+/// Fibonacci Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same
+/// parts of the scene and of its meshes.
 pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     let mut directions: Vec<Vec3> = (0..count)
         .map(|i| {
@@ -64,8 +64,8 @@ pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     directions
 }
 
-/// The position of a direction on a curve that fills the sphere: its Morton code on the unfolded octahedron of 256 × 256 cells
-/// (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
+/// The position of a direction on a curve that fills the sphere: its Morton code on the unfolded octahedron of 256 ×
+/// 256 cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
 fn octahedral_morton(d: Vec3) -> u32 {
     let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
     let folded = |a: f32, b: f32| if p.z < 0.0 { (1.0 - b.abs()) * 1.0_f32.copysign(a) } else { a };
@@ -126,8 +126,9 @@ impl GatherRays {
         direct.reporter.add(0, rays);
     }
 
-    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the cube face of ±x,
-    /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each face.
+    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the cube
+    /// face of ±x, ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π
+    /// on each face.
     pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
         let rotation = random_rotation(seed);
         self.lobes.clear();
@@ -197,8 +198,8 @@ impl GatherRays {
         }
     }
 
-    /// Follows a ray from its first hit through partly transparent surfaces, mirrors and glass to a diffuse surface. One lobe is
-    /// chosen at each surface, in proportion to its albedo.
+    /// Follows a ray from its first hit through partly transparent surfaces, mirrors and glass to a diffuse surface.
+    /// One lobe is chosen at each surface, in proportion to its albedo.
     fn follow(&mut self, scene: &Scene, options: &RenderOptions, id: u32, mut hit: Hit) {
         let mut path = PathRay::new(self.batch[id as usize], Cone::POINT);
         let (mut beta, mut state) = (Vec3::ONE, self.seeds[id as usize]);
@@ -245,8 +246,8 @@ impl GatherRays {
 mod tests {
     use super::*;
 
-    /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss it by
-    /// 18% (one standard deviation).
+    /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss
+    /// it by 18% (one standard deviation).
     #[test]
     fn directions_are_even() {
         let directions = sphere_directions(64);

@@ -25,8 +25,8 @@ pub(super) struct WaveRay {
 }
 
 impl WaveRay {
-    /// The part of the sample that the ray stands for. Before the first mirror or refraction, only opacities have acted on
-    /// the throughput, so that it is grey.
+    /// The part of the sample that the ray stands for. Before the first mirror or refraction, only opacities have
+    /// acted on the throughput, so that it is grey.
     fn coverage(beta: Vec3) -> f32 {
         beta.x
     }

@@ -13,7 +13,8 @@ use crate::world::Scene;
 /// A shadow ray to a point on a surface stops this part of its length short of it.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
-/// The weight of a sample of density `pdf`, where another sampler would have found it with density `other` (Veach 1997, section
+/// The weight of a sample of density `pdf`, where another sampler would have found it with density `other` (Veach
+/// 1997, section
 /// 9.2.4, β = 2).
 pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
     if pdf == 0.0 {
@@ -117,8 +118,8 @@ impl EmitterSampler {
         sum
     }
 
-    /// The weight of a light sample of density `pdf` (per steradian) at angle `cos`. Where the shadow ray went through glass or
-    /// partly transparent surfaces, no bounce counts the light.
+    /// The weight of a light sample of density `pdf` (per steradian) at angle `cos`. Where the shadow ray went through
+    /// glass or partly transparent surfaces, no bounce counts the light.
     fn weight(&self, v: Vec3, pdf: f32, cos: f32) -> f32 {
         if v == Vec3::ONE { power_heuristic(pdf, pdf_cosine_hemisphere(cos)) } else { 1.0 }
     }

@@ -107,7 +107,8 @@ fn shade_from_mesh(
     sum.fill_direct += seconds.fill;
     sum.shade += seconds.shade;
 
-    // Indirect light. A mesh for more bounces may serve none: what is left to read then is emission that gather rays find.
+    // Indirect light. A mesh for more bounces may serve none: what is left to read then is emission that gather rays
+    // find.
     let has_indirect = options.bounces > 0 || scene.has_gathered_emitters();
     if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, has_indirect) {
         add_indirect(field, marks, direct, blocks)?;

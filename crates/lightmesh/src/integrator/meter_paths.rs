@@ -1,8 +1,8 @@
-//! Path-traced irradiance at meters, as by Mitsuba's `irradiancemeter`: the truth that meters of the other methods are tested
-//! against.
+//! Path-traced irradiance at meters, as by Mitsuba's `irradiancemeter`: the truth that meters of the other methods are
+//! tested against.
 //!
-//! A sample is what a sample of a picture finds at a white Lambertian surface: a light sample of every kind, and paths that leave in
-//! directions in proportion to the cosine.
+//! A sample is what a sample of a picture finds at a white Lambertian surface: a light sample of every kind, and paths
+//! that leave in directions in proportion to the cosine.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -67,7 +67,8 @@ pub(crate) fn measure_paths(
     Ok((measured, stats))
 }
 
-/// Takes some samples of a meter, until the work is cancelled. Random numbers are seeded by the meter's position and direction.
+/// Takes some samples of a meter, until the work is cancelled. Random numbers are seeded by the meter's position and
+/// direction.
 fn trace(
     scene: &Scene,
     meter: &Meter,

@@ -1,7 +1,7 @@
 //! Meters: irradiance at points that no camera ray has found, lit in waves by the code that lights a picture's hits.
 //!
-//! What a meter reads depends on its own position and direction alone, not on the meters beside it: neither the size of waves nor
-//! that of blocks shows.
+//! What a meter reads depends on its own position and direction alone, not on the meters beside it: neither the size
+//! of waves nor that of blocks shows.
 
 use glam::Vec3;
 

@@ -9,9 +9,9 @@
 //! | `hybrid` | from the mesh light by light, with shadow rays where its points differ | as `standard` |
 //! | `unbiased` | the mesh as control variate of shadow and gather rays | as `standard` |
 //!
-//! [`adapt`] decides how a picture is lit, then [`WaveFrame::draw_picture`] draws it: `wave` sends `block`s of rays, `lighting`
-//! lights the points that they hit. The reflection model is documented at [`Material`](crate::Material), and
-//! `interaction/scatter.rs` has the choice of where rays go on.
+//! [`adapt`] decides how a picture is lit, then [`WaveFrame::draw_picture`] draws it: `wave` sends `block`s of rays,
+//! `lighting` lights the points that they hit. The reflection model is documented at [`Material`](crate::Material),
+//! and `interaction/scatter.rs` has the choice of where rays go on.
 
 mod adaptive;
 mod block;

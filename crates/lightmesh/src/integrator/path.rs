@@ -1,5 +1,6 @@
-//! Unidirectional path tracing with next-event estimation over all lights and multiple importance sampling of those that have a
-//! size (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapter 9): slow, unbiased, the truth.
+//! Unidirectional path tracing with next-event estimation over all lights and multiple importance sampling of those
+//! that have a size (Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997, chapter 9): slow,
+//! unbiased, the truth.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -25,9 +26,10 @@ const BLOCK: u64 = 256;
 /// Diffuse bounces after which Russian roulette may end a path.
 const ROULETTE_AFTER: u32 = 3;
 
-/// Paths that go on from the first diffuse surface of a camera ray (splitting: Arvo and Kirk, "Particle Transport and Image
-/// Synthesis", SIGGRAPH 1990): the noise that is left there is in the indirect light. Measured on the Cornell box, 64 samples:
-/// error 12.2% with one path and 50.8 M bounces, 8.1% with two and 101.6 M; 10.1% with one and no roulette, 87.4 M.
+/// Paths that go on from the first diffuse surface of a camera ray (splitting: Arvo and Kirk, "Particle Transport and
+/// Image Synthesis", SIGGRAPH 1990): the noise that is left there is in the indirect light. Measured on the Cornell
+/// box, 64 samples: error 12.2% with one path and 50.8 M bounces, 8.1% with two and 101.6 M; 10.1% with one and no
+/// roulette, 87.4 M.
 const SPLITS: u32 = 2;
 
 /// Renders the picture by path tracing.
@@ -164,11 +166,11 @@ enum RayOrigin {
     Camera,
     /// By a mirror from a diffuse surface: no light sample leads here.
     Specular,
-    /// From a diffuse surface in a direction of this density (per steradian), through nothing: one half of an estimate, of which
-    /// light samples are the other one.
+    /// From a diffuse surface in a direction of this density (per steradian), through nothing: one half of an
+    /// estimate, of which light samples are the other one.
     Bsdf { pdf: f32 },
-    /// From a diffuse surface through glass or partly transparent surfaces: shadow rays go through them as well and count the
-    /// emission.
+    /// From a diffuse surface through glass or partly transparent surfaces: shadow rays go through them as well and
+    /// count the emission.
     Transmitted,
 }
 
@@ -184,8 +186,8 @@ struct PathState {
     pixel: u32,
 }
 
-/// The layer of what shines at the end of a path with so many diffuse bounces: after the first one, it is the other half of
-/// the direct light, unless a mirror came between.
+/// The layer of what shines at the end of a path with so many diffuse bounces: after the first one, it is the other
+/// half of the direct light, unless a mirror came between.
 fn layer_of_emission(bounces: u32, origin: RayOrigin) -> Aov {
     match (bounces, origin) {
         (0, _) | (1, RayOrigin::Bsdf { .. } | RayOrigin::Transmitted) => Aov::Direct,
@@ -320,8 +322,8 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Estimates direct irradiance: from every punctual light, and, weighted against paths, from a point on an area light and a
-    /// direction of the environment.
+    /// Estimates direct irradiance: from every punctual light, and, weighted against paths, from a point on an area
+    /// light and a direction of the environment.
     fn direct(&mut self, point: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let (scene, falloff) = (self.scene, self.options.falloff);
         let mut sum = Vec3::ZERO;
@@ -371,8 +373,8 @@ impl<'a> PathTracer<'a> {
     }
 }
 
-/// A ray from the point in a cosine-distributed direction about the shading normal, and its pdf, cosθ / π, which cancels
-/// Lambert's cosine / π.
+/// A ray from the point in a cosine-distributed direction about the shading normal, and its pdf, cosθ / π, which
+/// cancels Lambert's cosine / π.
 fn sample_bounce(point: &ShadingPoint, sampler: &mut Sampler) -> (Ray, f32) {
     let (t, b) = basis(point.n);
     let local = sample_cosine_hemisphere(sampler.next_pair());

@@ -61,8 +61,8 @@ struct Ball {
     near: f32,
 }
 
-/// Paints the points over the scene, on the layer [`Aov::Points`]; the layers of albedo, normal and depth must be there as well.
-/// Returns how many rays found out which points are visible.
+/// Paints the points over the scene, on the layer [`Aov::Points`]; the layers of albedo, normal and depth must be
+/// there as well. Returns how many rays found out which points are visible.
 pub(crate) fn paint_points(scene: &Scene, view: &View, layers: &mut [Layer], points: &[PointCloud]) -> u64 {
     let Some(canvas) = layers.iter_mut().find(|layer| layer.aov == Aov::Points) else { return 0 };
     let mut picture = std::mem::take(&mut canvas.values);

@@ -86,8 +86,8 @@ impl<'a> WaveFrame<'a> {
     ) -> Result<(), Error> {
         let (scene, options) = (self.scene, self.options);
         let context = LightingContext { scene, options, plan, reporter };
-        // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few waves of
-        // them for each mirror and refraction event.
+        // Rays that go on from earlier waves. The youngest are taken first, so that there are never more than a few
+        // waves of them for each mirror and refraction event.
         let mut queue: Vec<WaveRay> = Vec::new();
         while let Some(count) = clock.next_wave(film) {
             // Trace camera rays.
@@ -123,8 +123,8 @@ impl<'a> WaveFrame<'a> {
         Ok(())
     }
 
-    /// Hands what the first `used` blocks have hit to the sink, and appends the rays that go on to the queue, both in the
-    /// order of the blocks.
+    /// Hands what the first `used` blocks have hit to the sink, and appends the rays that go on to the queue, both in
+    /// the order of the blocks.
     fn finish_wave(
         &mut self,
         context: LightingContext<'_>,

@@ -1,4 +1,5 @@
-//! What a ray meets: the geometry of a hit, the surface there, where it goes on, and how much light passes between two points.
+//! What a ray meets: the geometry of a hit, the surface there, where it goes on, and how much light passes between two
+//! points.
 
 mod hit_geometry;
 mod meter;

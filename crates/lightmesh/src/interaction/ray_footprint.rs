@@ -8,12 +8,12 @@ use crate::geometry::{Cone, Ray, Sphere};
 use crate::scene::Footprint;
 use crate::world::Scene;
 
-/// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer footprints are
-/// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
+/// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer
+/// footprints are looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
 const LEAST_COS: f32 = 1.0 / 32.0;
 
-/// The footprints, in both sets of texture coordinates, of the cone about a ray of unit direction that hit a surface. User-defined
-/// shapes have none, as they do not give the gradients of their coordinates.
+/// The footprints, in both sets of texture coordinates, of the cone about a ray of unit direction that hit a surface.
+/// User-defined shapes have none, as they do not give the gradients of their coordinates.
 pub(super) fn footprints(
     scene: &Scene,
     ray: &Ray,
@@ -86,8 +86,8 @@ fn barycentric_gradients(triangle: &PlacedTriangle<'_>) -> Gradients {
     Gradients { u: e2.cross(per_area), v: per_area.cross(e1) }
 }
 
-/// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, one turn per circle of latitude, and latitude over π
-/// towards the south; 0 at a pole, where all longitudes meet.
+/// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, one turn per circle of latitude, and latitude
+/// over π towards the south; 0 at a pole, where all longitudes meet.
 fn sphere_gradients(sphere: &Sphere, position: Vec3) -> Gradients {
     use std::f32::consts::{PI, TAU};
     let n = sphere.normal(position);

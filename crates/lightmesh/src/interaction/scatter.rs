@@ -1,5 +1,5 @@
-//! What becomes of a ray at a surface: a part of it goes straight through, and one of the reflection model's lobes sends the
-//! rest on.
+//! What becomes of a ray at a surface: a part of it goes straight through, and one of the reflection model's lobes
+//! sends the rest on.
 //!
 //! | who | passes through | goes on by |
 //! |---|---|---|
@@ -66,8 +66,8 @@ impl Lobes {
         lobes.into_iter().filter(|(_, albedo)| *albedo != Vec3::ZERO)
     }
 
-    /// Chooses a lobe with a random number in [0, 1), in proportion to the largest channel of its albedo; `None` where the surface
-    /// reflects nothing.
+    /// Chooses a lobe with a random number in [0, 1), in proportion to the largest channel of its albedo; `None` where
+    /// the surface reflects nothing.
     pub(crate) fn choose(self, u: f32) -> Option<LobeSample> {
         let lobes = [
             (Lobe::Diffuse, self.diffuse),
@@ -104,8 +104,8 @@ impl ShadedHit {
         Lobes { diffuse: self.diffuse, reflection: self.mirror, transmission: self.refraction }
     }
 
-    /// Whether a ray goes straight through, with probability 1 − opacity. The random number is drawn only where the surface is
-    /// partly transparent.
+    /// Whether a ray goes straight through, with probability 1 − opacity. The random number is drawn only where the
+    /// surface is partly transparent.
     pub(crate) fn lets_through(&self, u: impl FnOnce() -> f32) -> bool {
         self.opacity < 1.0 && u() >= self.opacity
     }

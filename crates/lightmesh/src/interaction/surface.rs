@@ -77,8 +77,8 @@ impl ShadedHit {
         }
     }
 
-    /// Returns the mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
-    /// into the surface.
+    /// Returns the mirror direction of an arriving `direction`; about the geometric normal where the shading normal
+    /// would send it into the surface.
     pub(crate) fn reflect(&self, direction: Vec3) -> Vec3 {
         let d = direction.normalize();
         let about = |n: Vec3| d - n * (2.0 * n.dot(d));
@@ -97,9 +97,9 @@ pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> ShadedHit {
     evaluate_at(scene, ray, &intersect_geometry(scene, ray, hit))
 }
 
-/// Evaluates what `ray` hit, its colours averaged over what the cone about it covers. Normal maps and the maps of roughness, metal and
-/// transmission are looked up at a point: they act on light through curves and thresholds, and the picture of a mean is not
-/// the mean of pictures.
+/// Evaluates what `ray` hit, its colours averaged over what the cone about it covers. Normal maps and the maps of
+/// roughness, metal and transmission are looked up at a point: they act on light through curves and thresholds, and
+/// the picture of a mean is not the mean of pictures.
 pub(crate) fn evaluate_footprint(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> ShadedHit {
     let mut interaction = intersect_geometry(scene, ray, hit);
     interaction.footprints = footprints(scene, ray, cone, hit, &interaction);
@@ -117,7 +117,8 @@ fn evaluate_at(scene: &Scene, ray: &Ray, interaction: &SurfaceInteraction<'_>) -
     if material.unlit {
         return ShadedHit { emission: base, ..plain(interaction, n, opacity) };
     }
-    // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area lights.
+    // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area
+    // lights.
     let shines = interaction.front || material.double_sided;
     let emission = if shines { emission(scene, material, interaction) } else { Vec3::ZERO };
     let lambert = ShadedHit { emission, illuminating: emission, diffuse: base, ..plain(interaction, n, opacity) };

@@ -17,8 +17,8 @@ pub(crate) struct VisibilityScratch {
     crossings: Vec<Hit>,
 }
 
-/// Computes the fraction of light per channel that passes along each ray: V of formula (1), 0 or 1 where all surfaces are opaque, a
-/// colour through glass and other BLEND or transmissive ones.
+/// Computes the fraction of light per channel that passes along each ray: V of formula (1), 0 or 1 where all surfaces
+/// are opaque, a colour through glass and other BLEND or transmissive ones.
 pub(crate) fn visibility(scene: &Scene, rays: &[Ray], scratch: &mut VisibilityScratch, passed: &mut Vec<Vec3>) {
     passed.clear();
     if scene.all_opaque() {

@@ -1,11 +1,12 @@
 //! Density that falls with the distance from the eye: the paper's mesh is fine where the picture shows it large.
 //!
-//! Points nearer to the eye than a distance R give way to the second level, those of it nearer than R/2 to the third, and so on: a
-//! cell keeps its size in the picture, and each level has about as many cells as the one before. Distance alone decides, not what
-//! the picture shows, so that mirrored hits are served as well, and no pixel has to be lit. A few rays estimate how many
-//! points the picture may fill, so that they fit into memory.
+//! Points nearer to the eye than a distance R give way to the second level, those of it nearer than R/2 to the third,
+//! and so on: a cell keeps its size in the picture, and each level has about as many cells as the one before. Distance
+//! alone decides, not what the picture shows, so that mirrored hits are served as well, and no pixel has to be lit. A
+//! few rays estimate how many points the picture may fill, so that they fit into memory.
 //!
-//! Gather hits read the first level alone: what they read goes into the values of points, which must not depend on the camera.
+//! Gather hits read the first level alone: what they read goes into the values of points, which must not depend on the
+//! camera.
 
 use rayon::prelude::*;
 
@@ -36,7 +37,8 @@ pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: 
         .collect();
     stats.rays.primary += pixels.len() as u64;
 
-    // Refine both meshes. A part of the whole limit, not of what is left of it: a frame must not depend on what came before.
+    // Refine both meshes. A part of the whole limit, not of what is left of it: a frame must not depend on what came
+    // before.
     let budget = (MEMORY_SHARE * options.max_memory as f64) as u64;
     let most = cells_that_fit(budget, mesh.direct.bytes_per_point());
     mesh.direct.points_mut().refine_by_distance(view.rays.eye(), metres, &visible, most);

@@ -1,11 +1,11 @@
-//! Light to a given error: the renderer lights some pixels exactly, compares cheaper plans with that, and takes the cheapest one
-//! within the bound.
+//! Light to a given error: the renderer lights some pixels exactly, compares cheaper plans with that, and takes the
+//! cheapest one within the bound.
 //!
-//! Two sets of pixels are drawn, each spread over the picture. On the first, the *pilot*, all samples of each pixel are lit
-//! exactly, and then by one plan after the other, from the cheapest to the most expensive, until one of them is within the bound.
-//! On the second set, which had no part in the choice, that plan must be within the bound too; if it is not, the next plan is tried.
-//! The error that is reported is that on both sets. A pixel looks the same in the picture as it does here, as random numbers are
-//! seeded by the position of what is lit.
+//! Two sets of pixels are drawn, each spread over the picture. On the first, the *pilot*, all samples of each pixel
+//! are lit exactly, and then by one plan after the other, from the cheapest to the most expensive, until one of them
+//! is within the bound. On the second set, which had no part in the choice, that plan must be within the bound too; if
+//! it is not, the next plan is tried. The error that is reported is that on both sets. A pixel looks the same in the
+//! picture as it does here, as random numbers are seeded by the position of what is lit.
 //!
 //! The truth of direct light is a shadow ray to every light. That of indirect light comes from gather rays at each hit,
 //! twice with other rays: with two truths T + a and T + b, whose errors a and b are independent, the mean of
@@ -18,29 +18,31 @@ use super::pilot::Pilot;
 use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading, TrustAgreement};
 use crate::{Error, RenderStats};
 
-/// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low once, where few
-/// pixels are wrong (a test's hall of forty lamps).
+/// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low
+/// once, where few pixels are wrong (a test's hall of forty lamps).
 const PIXELS_PER_CHECK: u64 = 48;
 const CHECKS: std::ops::RangeInclusive<u64> = 2048..=8192;
 
-/// The part of the bound that a plan must keep to on the pilot, so that it keeps the bound on the other set too. Empirical.
+/// The part of the bound that a plan must keep to on the pilot, so that it keeps the bound on the other set too.
+/// Empirical.
 const MARGIN: f64 = 0.7;
 
-/// What reading the mesh light by light costs, in shadow rays per hit, and more for each light: for fewer rays than that it is not
-/// worth while. Empirical: in the living room, 2 rays per hit and five lights, it took 1.6 times as long as 4.3 rays and no mesh.
+/// What reading the mesh light by light costs, in shadow rays per hit, and more for each light: for fewer rays than
+/// that it is not worth while. Empirical: in the living room, 2 rays per hit and five lights, it took 1.6 times as
+/// long as 4.3 rays and no mesh.
 const READING: f64 = 5.0;
 const READING_PER_LIGHT: f64 = 0.05;
 
-/// Step and `always_above` of the cheapest plan's policy, in units of the bound. The others have the parts t and t^0.6 of them:
-/// empirical.
+/// Step and `always_above` of the cheapest plan's policy, in units of the bound. The others have the parts t and t^0.6
+/// of them: empirical.
 const STEP: f32 = 4.0;
 const ALWAYS_ABOVE: f32 = 16.0;
 
 /// The least t: the most expensive policy.
 const LEAST_PART: f32 = 0.01;
 
-/// From plan to plan t falls as the square of the error must, as that of noise does: by this factor less than what seems enough, and
-/// within limits.
+/// From plan to plan t falls as the square of the error must, as that of noise does: by this factor less than what
+/// seems enough, and within limits.
 const SAFETY: f32 = 0.9;
 const PART_FACTORS: (f32, f32) = (0.3, 0.8);
 
@@ -78,8 +80,8 @@ struct PixelLight {
     rays: f64,
 }
 
-/// Chooses the cheapest plan whose picture is within `bound` of the truth, starting from what the method says. Returns it with
-/// its estimated error, relative to the picture's mean.
+/// Chooses the cheapest plan whose picture is within `bound` of the truth, starting from what the method says. Returns
+/// it with its estimated error, relative to the picture's mean.
 pub(super) fn choose_plan(
     pilot: &mut Pilot<'_, '_, '_>,
     plan: LightingPlan,

@@ -1,4 +1,5 @@
-//! Decisions before a picture is drawn: where the meshes are refined, and how many shadow rays keep the error within its bound.
+//! Decisions before a picture is drawn: where the meshes are refined, and how many shadow rays keep the error within
+//! its bound.
 
 mod distance_levels;
 mod error_bound;
@@ -15,11 +16,12 @@ use crate::{Error, RenderStats};
 /// The part of the memory limit at which refinement ends.
 const MEMORY_SHARE: f64 = 0.5;
 
-/// Points that a cell has to fill when it is refined, at most: 3³ of its own and those of the cells around it that blend.
+/// Points that a cell has to fill when it is refined, at most: 3³ of its own and those of the cells around it that
+/// blend.
 const POINTS_PER_CELL: u64 = 64;
 
-/// Adapts the frame to the picture on the film, as far as the options want it: refines its meshes and chooses how surfaces are
-/// lit. Returns the plan to draw the picture with; its error, if it is bounded, is in `stats`.
+/// Adapts the frame to the picture on the film, as far as the options want it: refines its meshes and chooses how
+/// surfaces are lit. Returns the plan to draw the picture with; its error, if it is bounded, is in `stats`.
 ///
 /// # Errors
 /// As [`WaveFrame::draw`].

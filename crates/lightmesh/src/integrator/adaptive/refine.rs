@@ -1,11 +1,12 @@
 //! Refining the meshes where their light is not good enough.
 //!
-//! Some samples, spread over the picture, are lit by the meshes and by the truth (see `error_bound.rs`). The error of each is
-//! charged to the cell that its hit reads. The cells with the largest errors are refined, the worst first, until what is left of
-//! the error is small enough: level by level, as errors are smaller on the next. Refinement belongs to the picture: the points that
-//! it adds stay, and their values do not depend on it.
+//! Some samples, spread over the picture, are lit by the meshes and by the truth (see `error_bound.rs`). The error of
+//! each is charged to the cell that its hit reads. The cells with the largest errors are refined, the worst first,
+//! until what is left of the error is small enough: level by level, as errors are smaller on the next. Refinement
+//! belongs to the picture: the points that it adds stay, and their values do not depend on it.
 //!
-//! Gather hits read the first level alone. What they read goes into the values of points, which must not depend on what a picture needs.
+//! Gather hits read the first level alone. What they read goes into the values of points, which must not depend on
+//! what a picture needs.
 
 use std::collections::BTreeMap;
 
@@ -85,8 +86,8 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
     Ok(())
 }
 
-/// Refines the cells with the largest sums of squared errors, at most `fit` cells, until the sum of the others is at most
-/// `most`. Returns how many cells it refined.
+/// Refines the cells with the largest sums of squared errors, at most `fit` cells, until the sum of the others is at
+/// most `most`. Returns how many cells it refined.
 fn refine_worst(points: &mut Points, errors: &[(ShadingPoint, f64)], most: f64, fit: u64) -> usize {
     let mut cells: BTreeMap<(u32, [u32; 3]), f64> = BTreeMap::new();
     for (point, square) in errors {
