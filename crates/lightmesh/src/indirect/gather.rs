@@ -222,7 +222,7 @@ impl GatherRays {
                     lobes = lobes.without_specular();
                 }
                 state = hash(state);
-                let Some(sample) = lobes.choose(unit(state)) else { return };
+                let Some(sample) = lobes.sample(unit(state)) else { return };
                 match sample.lobe {
                     Lobe::Diffuse => {
                         // The point's weight has the albedo.

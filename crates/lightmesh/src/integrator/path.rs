@@ -272,7 +272,7 @@ impl<'a> PathTracer<'a> {
             if path.depth >= self.options.depth {
                 lobes = lobes.without_specular();
             }
-            let Some(sample) = lobes.choose(sampler.choice()) else { break };
+            let Some(sample) = lobes.sample(sampler.choice()) else { break };
             beta *= sample.throughput();
             match sample.lobe {
                 Lobe::Diffuse if bounces == 0 => {

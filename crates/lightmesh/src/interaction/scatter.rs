@@ -7,7 +7,7 @@
 //! | path tracer | with probability 1 − opacity | one lobe by chance |
 //! | gather rays | with probability 1 − opacity | one lobe by chance, and end where it is the diffuse one |
 //!
-//! The random numbers are the caller's.
+//! The random numbers are the caller's. Another BSDF has other lobes here; the loops that follow rays stay as they are.
 
 use glam::Vec3;
 
@@ -44,9 +44,10 @@ pub(crate) struct Lobes {
     pub transmission: Vec3,
 }
 
-/// A lobe that was chosen by chance.
+/// A sample of a surface's BSDF: a lobe that was chosen by chance, and its weight. The direction follows from the lobe:
+/// specular ones have one, and for the diffuse one the caller draws it in proportion to the cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LobeSample {
+pub(crate) struct BsdfSample {
     pub lobe: Lobe,
     /// The lobe's albedo.
     pub albedo: Vec3,
@@ -68,7 +69,7 @@ impl Lobes {
 
     /// Chooses a lobe with a random number in [0, 1), in proportion to the largest channel of its albedo; `None` where
     /// the surface reflects nothing.
-    pub(crate) fn choose(self, u: f32) -> Option<LobeSample> {
+    pub(crate) fn sample(self, u: f32) -> Option<BsdfSample> {
         let lobes = [
             (Lobe::Diffuse, self.diffuse),
             (Lobe::Specular(SpecularLobe::Reflection), self.reflection),
@@ -83,7 +84,7 @@ impl Lobes {
             let share = albedo.max_element();
             // Where u is rounded up to the total, the last lobe that reflects anything.
             if share > 0.0 && u >= sum {
-                chosen = Some(LobeSample { lobe, albedo, inverse_pdf: total / share });
+                chosen = Some(BsdfSample { lobe, albedo, inverse_pdf: total / share });
             }
             sum += share;
         }
@@ -91,7 +92,7 @@ impl Lobes {
     }
 }
 
-impl LobeSample {
+impl BsdfSample {
     /// What the throughput of a path is multiplied with that goes on by this lobe.
     pub(crate) fn throughput(&self) -> Vec3 {
         self.albedo * self.inverse_pdf
@@ -178,7 +179,7 @@ mod tests {
             (0.76, TRANSMISSION, Vec3::new(0.0, 0.4, 0.8)),
             (1.0, TRANSMISSION, Vec3::new(0.0, 0.4, 0.8)),
         ] {
-            let sample = lobes.choose(u).expect("a lobe");
+            let sample = lobes.sample(u).expect("a lobe");
             assert_eq!(sample.lobe, lobe, "{u}");
             assert!((sample.throughput() - throughput).length() < 1e-6, "{u}");
         }
@@ -195,11 +196,11 @@ mod tests {
             (lobes(black, black, white), TRANSMISSION),
         ] {
             for u in [0.0, 0.5, 1.0] {
-                assert_eq!(lobes.choose(u).map(|sample| sample.lobe), Some(only));
+                assert_eq!(lobes.sample(u).map(|sample| sample.lobe), Some(only));
             }
         }
-        assert_eq!(lobes(black, black, black).choose(0.5), None);
-        assert_eq!(lobes(white, white, white).without_specular().choose(1.0).map(|s| s.lobe), Some(Lobe::Diffuse));
+        assert_eq!(lobes(black, black, black).sample(0.5), None);
+        assert_eq!(lobes(white, white, white).without_specular().sample(1.0).map(|s| s.lobe), Some(Lobe::Diffuse));
     }
 
     /// At most 64 surfaces in a row let a ray through; a mirror starts the count anew.
