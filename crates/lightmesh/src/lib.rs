@@ -66,7 +66,6 @@ mod viewer;
 mod world;
 
 pub use api::{Frame, Measured, measure, render};
-pub use distributed::{fill as filling, partial_image as portions};
 pub use error::Error;
 pub use fingerprint::Fingerprint;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};

@@ -7,8 +7,8 @@ mod outlines;
 mod pass;
 mod passes;
 mod picture;
-mod portion;
 mod sketch;
+mod waves;
 
 use std::ops::Range;
 
@@ -256,9 +256,25 @@ impl Film {
         self.layers.any()
     }
 
-    /// The camera's rays and the picture's width and height.
-    pub(crate) fn rays_and_size(&self) -> (FilmRays, u32, u32) {
-        (self.rays, self.order.width, self.order.height)
+    /// The camera's rays and the picture's size.
+    pub(crate) fn view(&self) -> View {
+        View { rays: self.rays, width: self.order.width, height: self.order.height }
+    }
+}
+
+/// What a picture's camera sees.
+#[derive(Clone, Copy)]
+pub(crate) struct View {
+    pub(crate) rays: FilmRays,
+    /// Pixels.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl View {
+    /// The ray through the middle of a pixel, which is numbered row by row.
+    pub(crate) fn pixel_ray(&self, pixel: u32) -> Ray {
+        self.rays.ray((pixel % self.width) as f32 + 0.5, (pixel / self.width) as f32 + 0.5)
     }
 }
 

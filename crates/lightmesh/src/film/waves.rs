@@ -1,4 +1,4 @@
-//! Some waves of a pass: what they bring to the film, taken off it and put on another one.
+//! Some waves of a pass: their light, copied from one film to another.
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ impl Film {
         self.sample_count().div_ceil(self.samples_per_wave())
     }
 
-    /// Lets the pass begin and end with some of its waves.
-    pub(crate) fn begin_portion(&mut self, waves: Range<u64>) {
+    /// Restricts the pass to some of its waves.
+    pub(crate) fn begin_waves(&mut self, waves: Range<u64>) {
         let (wave, all) = (self.samples_per_wave(), self.sample_count());
         self.pass.done = (waves.start * wave).min(all);
         self.pass.end = Some((waves.end * wave).min(all));
     }
 
     /// The pixels of some waves of the pass, in the order in which they are sampled.
-    pub(crate) fn portion_pixels(&self, waves: Range<u64>) -> Vec<u32> {
+    pub(crate) fn wave_pixels(&self, waves: Range<u64>) -> Vec<u32> {
         let wave = self.samples_per_wave() / self.pass.samples_per_pixel();
         let all = self.pass_pixels();
         let numbers = (waves.start * wave).min(all)..(waves.end * wave).min(all);
@@ -57,7 +57,7 @@ impl Film {
         self.pass.done = self.sample_count();
     }
 
-    /// What samples of some pixels saw; empty where nobody asks.
+    /// Whether samples of some pixels met emitters; empty where the film does not collect that.
     pub(crate) fn copy_seen(&self, pixels: &[u32]) -> Vec<u8> {
         if self.emitter_seen.is_empty() {
             Vec::new()
@@ -66,7 +66,7 @@ impl Film {
         }
     }
 
-    /// Takes what samples saw of all pixels, row by row; which of them are lamps' outlines follows from it.
+    /// Takes whether samples of all pixels met emitters, row by row; from that follow the pixels on edges of emitters.
     pub(crate) fn put_seen(&mut self, seen: &[u8]) {
         self.emitter_seen = seen.to_vec();
     }
