@@ -79,7 +79,7 @@ impl IndirectField {
 
             // Estimate direct and indirect light where they end.
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             let indirect = self.correct(direct, marks, batch, paths)?;
 

@@ -101,7 +101,7 @@ fn shade_from_mesh(
 
     // Direct light.
     let mut batches: Vec<&mut ShadingBatch> = blocks.iter_mut().map(|block| &mut block.batch).collect();
-    let seconds = direct.light(CornerVisibility::All, &mut batches)?;
+    let seconds = direct.shade(CornerVisibility::All, &mut batches)?;
     let sum = &mut direct.stats.seconds;
     sum.demand += seconds.demand;
     sum.fill_direct += seconds.fill;
