@@ -16,12 +16,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{GatherRays, HemisphereRays, Strata, seed_of_surface, unit};
+use super::gather::{GatherRays, HemisphereRays, Strata};
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{CornerVisibility, Marks};
-use crate::sampling::hash;
+use crate::sampling::{hash, seed_of_surface, unit_f32};
 
 /// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q
 /// = 1, and the noise of a ray that goes on and on does not grow. Empirical: docs/accuracy.md has error and time of
@@ -124,7 +124,7 @@ impl IndirectField {
             let reading = readings.next().flatten();
             let q = (PI * hit.weight.max_element()).clamp(*GO_ON.start(), *GO_ON.end());
             // Not the numbers that the rays' directions are made of.
-            if unit(hash(seed_of_surface(!paths.seed, hit.position))) < q {
+            if unit_f32(hash(seed_of_surface(!paths.seed, hit.position))) < q {
                 going_on.push(*hit);
                 corrections.push((estimates.len(), q));
             }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::meters::MeterIrradiance;
 use super::path::PathTracer;
 use crate::progress::Reporter;
-use crate::sampling::{Sampler, hash, seed_of_place};
+use crate::sampling::{Sampler, hash, seed_of_position};
 use crate::{Error, Meter, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Samples per unit of parallel work, and samples between two visits to the results.
@@ -81,7 +81,7 @@ fn trace(
         return sums;
     }
     let point = meter.shading_point(scene);
-    let seed = hash(seed_of_place(point.position)) ^ seed_of_place(point.n);
+    let seed = hash(seed_of_position(point.position)) ^ seed_of_position(point.n);
     let mut tracer = PathTracer::new(scene, options);
     let count = u64::from(samples.end - samples.start);
     for sample in samples {
