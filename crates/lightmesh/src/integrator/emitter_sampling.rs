@@ -70,10 +70,7 @@ impl EmitterSampler {
             return Vec3::ZERO;
         }
         let share = self.share(v, point.pdf * r2 / cos_light, cos);
-        let attenuation = match falloff {
-            Falloff::InverseSquare => 1.0 / r2,
-            Falloff::ConstantPlusDistance { constant } => 1.0 / (constant + r2.sqrt()),
-        };
+        let attenuation = falloff.attenuation(r2, r2.sqrt());
         point.emission * v * (cos * cos_light * attenuation / point.pdf * share)
     }
 

@@ -1,8 +1,10 @@
-//! What shines, ready to be asked: emitters, their light samples and the tree over these.
+//! Everything that shines: emitters, the light samples that stand for them, and the tree over these.
 
 mod contributions;
 mod cut_at;
 pub(crate) mod emitters;
+mod falloff;
+mod punctual;
 pub(crate) mod sample;
 mod samples;
 mod tree;

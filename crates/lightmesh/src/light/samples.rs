@@ -31,7 +31,7 @@ use crate::geometry::Ray;
 /// Lights per block.
 pub(crate) const LANES: usize = 16;
 
-/// A shadow ray stops this part of its length short of its light, so that a lamp's own surface on which the light was put
+/// A shadow ray stops this part of its length short of its light, so that an emitter's own surface on which the sample lies
 /// does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
@@ -50,7 +50,7 @@ pub(crate) struct LightBlock {
     pub(super) b: [f32; LANES],
 }
 
-/// What lights other than plain points add to their block.
+/// The part of a block of spots, ranged points and directional lights that plain points do not have.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct SpotLanes {
@@ -67,7 +67,7 @@ pub(crate) struct SpotLanes {
     pub(crate) inv_range2: [f32; LANES],
 }
 
-/// What patches of area lights add to their block.
+/// The part of a block of patches that plain points do not have.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct PatchLanes {
@@ -78,13 +78,13 @@ pub(crate) struct PatchLanes {
     /// 0, or −1 for a patch that shines from both sides.
     pub(crate) back: [f32; LANES],
     /// A / π, square metres.
-    pub(crate) spread: [f32; LANES],
+    pub(crate) area_over_pi: [f32; LANES],
 }
 
 /// The light samples of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightSamples {
-    /// Blocks of plain point lights first, then patches, then those that have an [`SpotLanes`].
+    /// Blocks of isotropic points first, then of patches, then those that have [`SpotLanes`].
     pub(crate) blocks: Vec<LightBlock>,
     pub(crate) patches: Vec<PatchLanes>,
     pub(crate) spots: Vec<SpotLanes>,
@@ -103,16 +103,16 @@ pub(crate) struct Directions {
 }
 
 impl LightSamples {
-    /// Those of the samples that shine, plain points first, then patches, then the others.
+    /// Packs the samples that shine: isotropic points first, then patches, then the others.
     pub(crate) fn new(samples: &[LightSample]) -> Self {
-        let mut luminaires: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
-        luminaires.retain(|luminaire| luminaire.intensity != Vec3::ZERO);
-        luminaires.sort_by_key(|luminaire| luminaire.emission.order());
-        let mut lights = Self::default();
-        for luminaire in &luminaires {
-            lights.push(luminaire);
+        let mut lights: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
+        lights.retain(|light| light.intensity != Vec3::ZERO);
+        lights.sort_by_key(|light| light.emission.order());
+        let mut packed = Self::default();
+        for light in &lights {
+            packed.push(light);
         }
-        lights
+        packed
     }
 
     /// How many lights there are.
@@ -235,18 +235,18 @@ pub(super) fn for_each_block<S: Simd>(
     mut visit: impl FnMut(&LightBlock, usize, Lanes<S>),
 ) {
     let (plain, rest) = lights.blocks.split_at(lights.blocks.len() - lights.patches.len() - lights.spots.len());
-    let (patches, shaped) = rest.split_at(lights.patches.len());
+    let (patches, spots) = rest.split_at(lights.patches.len());
     let mut first = 0;
     for block in plain {
         visit(block, first, plain_lanes(simd, block, falloff, p));
         first += LANES;
     }
-    for (block, facing) in patches.iter().zip(&lights.patches) {
-        visit(block, first, patch_lanes(simd, block, facing, falloff, p));
+    for (block, lanes) in patches.iter().zip(&lights.patches) {
+        visit(block, first, patch_lanes(simd, block, lanes, falloff, p));
         first += LANES;
     }
-    for (block, extra) in shaped.iter().zip(&lights.spots) {
-        visit(block, first, spot_lanes(simd, block, extra, falloff, p));
+    for (block, lanes) in spots.iter().zip(&lights.spots) {
+        visit(block, first, spot_lanes(simd, block, lanes, falloff, p));
         first += LANES;
     }
 }
@@ -256,7 +256,7 @@ pub(super) fn for_each_block<S: Simd>(
 fn plain_lanes<S: Simd>(simd: S, block: &LightBlock, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
-    Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) }
+    Lanes { dx, dy, dz, f: falloff.attenuation_over_distance_simd(r2, r2.sqrt()) }
 }
 
 #[inline(always)]
@@ -268,48 +268,39 @@ fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> (f32x1
     )
 }
 
-/// f of a plain point light.
-#[inline(always)]
-fn attenuation<S: Simd>(falloff: Falloff, r2: f32x16<S>, r: f32x16<S>) -> f32x16<S> {
-    match falloff {
-        Falloff::InverseSquare => 1.0 / (r2 * r),
-        Falloff::ConstantPlusDistance { constant } => 1.0 / ((r + constant) * r),
-    }
-}
-
 /// d and f of patches.
 #[inline(always)]
-fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, facing: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
     let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
-    let ahead = -(dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)) / r;
-    let cos = ahead.max(ahead * load(&facing.back));
+    let ahead = -(dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;
+    let cos = ahead.max(ahead * load(&lanes.back));
     let f = match falloff {
         Falloff::InverseSquare => {
-            let spread = load(&facing.spread);
-            cos / ((r2 + spread * (cos * cos * 3.0 - 2.0)).max(spread) * r)
+            let area_over_pi = load(&lanes.area_over_pi);
+            cos / ((r2 + area_over_pi * (cos * cos * 3.0 - 2.0)).max(area_over_pi) * r)
         }
-        Falloff::ConstantPlusDistance { .. } => attenuation(falloff, r2, r) * cos,
+        Falloff::ConstantPlusDistance { .. } => falloff.attenuation_over_distance_simd(r2, r) * cos,
     };
     Lanes { dx, dy, dz, f }
 }
 
 /// d and f of spots, ranges and directions.
 #[inline(always)]
-fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, extra: &SpotLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &SpotLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
-    let w = load(&extra.w);
+    let w = load(&lanes.w);
     let (dx, dy, dz) = offset(simd, block, p, w);
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
-    let cos = (dx * load(&extra.ax) + dy * load(&extra.ay) + dz * load(&extra.az)) / r;
-    let cone = (cos * load(&extra.cone_scale) + load(&extra.cone_offset)).max(zero).min(one);
-    let q = r2 * load(&extra.inv_range2);
+    let cos = (dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;
+    let cone = (cos * load(&lanes.cone_scale) + load(&lanes.cone_offset)).max(zero).min(one);
+    let q = r2 * load(&lanes.inv_range2);
     let window = (one - q * q).max(zero);
-    let f = attenuation(falloff, r2, r) * cone * cone * window;
+    let f = falloff.attenuation_over_distance_simd(r2, r) * cone * cone * window;
     Lanes { dx, dy, dz, f: w.simd_gt(zero).select(f, one) }
 }
 

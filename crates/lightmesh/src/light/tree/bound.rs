@@ -65,12 +65,9 @@ impl Receivers {
     }
 }
 
-/// φ of the falloff, inverted.
+/// [`Falloff::attenuation`] at a distance.
 fn attenuation(falloff: Falloff, r: f32) -> f32 {
-    match falloff {
-        Falloff::InverseSquare => 1.0 / (r * r),
-        Falloff::ConstantPlusDistance { constant } => 1.0 / (r + constant),
-    }
+    falloff.attenuation(r * r, r)
 }
 
 impl LightTree {
@@ -78,7 +75,7 @@ impl LightTree {
     /// place towards `x`. The distance of directions is 1.
     pub(crate) fn facing(&self, node: u32, falloff: Falloff, x: Vec3) -> (f32, f32) {
         let node = &self.nodes[node as usize];
-        if node.kind == Kind::Direction {
+        if node.kind == Kind::Directional {
             return (1.0, node.strength);
         }
         let r = (node.place - x).length().max(1e-6);
@@ -88,14 +85,14 @@ impl LightTree {
     /// What a node does to receivers if its luminaire stands for it.
     pub(super) fn bound(&self, index: u32, receivers: &Receivers, falloff: Falloff) -> Bound {
         let node = &self.nodes[index as usize];
-        if node.kind == Kind::Direction {
+        if node.kind == Kind::Directional {
             return Bound { error: node.colour, arriving: node.strength };
         }
         let gap = (node.min - receivers.max).max(receivers.min - node.max).max(Vec3::ZERO);
         let near = gap.length();
         let far = (node.place - receivers.centre).length() + receivers.radius;
         let arriving = node.strength * attenuation(falloff, far.max(1e-6));
-        if node.kind == Kind::Even {
+        if node.kind == Kind::Isotropic {
             let error = if node.child == 0 { 0.0 } else { isotropic_error(node, near, attenuation(falloff, near)) };
             return Bound { error, arriving };
         }
@@ -142,11 +139,11 @@ impl LightTree {
                     };
                     spot_error(node, orientation, edge, inv_range2, (near, furthest), g)
                 };
-                let cone = match self.luminaires[index as usize].emission {
-                    LightEmission::Spot { scale, offset, .. } => (cosines.most * scale + offset).clamp(0.0, 1.0),
+                let ramp = match self.luminaires[index as usize].emission {
+                    LightEmission::Spot { cone, .. } => cone.ramp(cosines.most),
                     _ => 1.0,
                 };
-                Bound { error, arriving: arriving * window * cone * cone }
+                Bound { error, arriving: arriving * window * ramp * ramp }
             }
         }
     }

@@ -22,28 +22,29 @@ impl Leaf {
     /// Which way it shines; zero for even ones and directions, whose place says it.
     pub(super) fn axis(&self) -> Vec3 {
         match self.luminaire.emission {
-            LightEmission::Isotropic => Vec3::ZERO,
-            LightEmission::Patch { axis, .. } | LightEmission::Spot { axis, .. } => axis,
+            LightEmission::Isotropic | LightEmission::Directional => Vec3::ZERO,
+            LightEmission::Patch { normal, .. } => normal,
+            LightEmission::Spot { cone, .. } => cone.axis,
         }
     }
 
     fn kind(&self) -> Kind {
         match self.luminaire.emission {
-            LightEmission::Isotropic => Kind::Even,
+            LightEmission::Isotropic => Kind::Isotropic,
             LightEmission::Patch { back: 0.0, .. } => Kind::OneSided,
             LightEmission::Patch { .. } => Kind::TwoSided,
-            LightEmission::Spot { w: 0.0, .. } => Kind::Direction,
-            LightEmission::Spot { .. } => Kind::Shaped,
+            LightEmission::Spot { .. } => Kind::Spot,
+            LightEmission::Directional => Kind::Directional,
         }
     }
 
     /// With a normal of the upper hemisphere where both sides shine: patches that are one behind the other are alike.
     fn upright(mut self) -> Self {
-        if let LightEmission::Patch { axis, back, .. } = &mut self.luminaire.emission
+        if let LightEmission::Patch { normal, back, .. } = &mut self.luminaire.emission
             && *back != 0.0
-            && axis.to_array() < [0.0; 3]
+            && normal.to_array() < [0.0; 3]
         {
-            *axis = -*axis;
+            *normal = -*normal;
         }
         self
     }
@@ -69,7 +70,7 @@ impl LightTree {
         for of_kind in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
             let (root, kind) = (tree.nodes.len() as u32, of_kind[0].kind());
             tree.roots.push(root);
-            if kind == Kind::Direction {
+            if kind == Kind::Directional {
                 tree.first_direction = root;
             }
             tree.add(kind, of_kind, first);
@@ -128,7 +129,7 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
     let place: fn(&Leaf) -> Vec3 = |leaf| leaf.luminaire.position;
     let (min, max) = range(place);
     let mut widest = (place, min, max);
-    if !matches!(kind, Kind::Even | Kind::Direction) {
+    if !matches!(kind, Kind::Isotropic | Kind::Directional) {
         let axes = range(Leaf::axis);
         if (axes.1 - axes.0).max_element() * 0.5 * (max - min).length() > (max - min).max_element() {
             widest = (Leaf::axis, axes.0, axes.1);

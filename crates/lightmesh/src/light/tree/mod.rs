@@ -47,11 +47,11 @@ pub(crate) struct LightTree {
 /// Lights that shine alike, in the order of their trees: that of the blocks of [`LightSamples`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    Even,
+    Isotropic,
     OneSided,
     TwoSided,
-    Shaped,
-    Direction,
+    Spot,
+    Directional,
 }
 
 /// Some lights of one kind.

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::sample::{LightEmission, SampledLight};
+use super::super::sample::{LightEmission, RangeWindow, SampledLight, SpotCone};
 use super::build::Leaf;
 use super::{ConeStatistics, Kind, Node, Orientation};
 
@@ -53,7 +53,7 @@ impl Node {
             node.place = luminaire.position;
             return (node, luminaire);
         }
-        if kind == Kind::Direction {
+        if kind == Kind::Directional {
             // Along one direction a cluster is exact; what is lost is what channels bring across it, and where lights face a
             // surface of which the cluster sees the back: 1 − |mean| (`bound.rs`).
             let axis = mean.normalize_or(place(&leaves[0]));
@@ -84,7 +84,7 @@ pub(super) fn orientation(
     leaves: &[Leaf],
     luminaire: &SampledLight,
 ) -> Option<(Orientation, SampledLight)> {
-    if matches!(kind, Kind::Even | Kind::Direction) {
+    if matches!(kind, Kind::Isotropic | Kind::Directional) {
         return None;
     }
     let axis = |leaf: &Leaf| leaf.axis().as_dvec3();
@@ -100,17 +100,18 @@ pub(super) fn orientation(
     let mut shines = unit;
     let (shape, about, colour) = match (luminaire.emission, leaves.len()) {
         (LightEmission::Patch { back, .. }, _) => {
-            let spread = |leaf: &Leaf| match leaf.luminaire.emission {
-                LightEmission::Patch { spread, .. } => spread,
+            let area_over_pi = |leaf: &Leaf| match leaf.luminaire.emission {
+                LightEmission::Patch { area_over_pi, .. } => area_over_pi,
                 _ => 0.0,
             };
-            let extremes = leaves.iter().map(spread).fold((f32::INFINITY, 0.0_f32), |(a, b), s| (a.min(s), b.max(s)));
+            let extremes =
+                leaves.iter().map(area_over_pi).fold((f32::INFINITY, 0.0_f32), |(a, b), s| (a.min(s), b.max(s)));
             if leaves.len() > 1 {
                 // Light that a patch sends somewhere is linear in its intensity times its normal.
                 let intensity = sums.map(|along| along.dot(unit).max(0.0));
                 luminaire.intensity = DVec3::from_array(intensity).as_vec3();
-                let spread = sum(leaves, |leaf| f64::from(spread(leaf)) * f64::from(leaf.strength())) / strength;
-                luminaire.emission = LightEmission::Patch { axis: unit.as_vec3(), back, spread: spread as f32 };
+                let mean = sum(leaves, |leaf| f64::from(area_over_pi(leaf)) * f64::from(leaf.strength())) / strength;
+                luminaire.emission = LightEmission::Patch { normal: unit.as_vec3(), back, area_over_pi: mean as f32 };
             }
             let lost = sums.map(|along| (along - unit * along.dot(unit).max(0.0)).length());
             (ConeStatistics::Patch { least: extremes.0, most: extremes.1 }, mean, lost.iter().sum())
@@ -126,8 +127,10 @@ pub(super) fn orientation(
                     let of = |leaf: &Leaf| f64::from(spot(&leaf.luminaire.emission)[i]) * f64::from(leaf.strength());
                     (sum(leaves, of) / strength) as f32
                 };
-                let (scale, offset, inv_range2) = (mean(2), mean(3), mean(4));
-                luminaire.emission = LightEmission::Spot { w: 1.0, axis: unit.as_vec3(), scale, offset, inv_range2 };
+                luminaire.emission = LightEmission::Spot {
+                    cone: SpotCone { axis: unit.as_vec3(), scale: mean(2), offset: mean(3) },
+                    window: RangeWindow { inv_range2: mean(4) },
+                };
             }
             shines = -unit;
             let difference = (scale.1 - scale.0) + (offset.1 - offset.0);
@@ -145,10 +148,10 @@ pub(super) fn orientation(
 /// Cosines of a cone's inner and outer edge, below −1 without one, scale, offset, 1 / R².
 fn spot(emission: &LightEmission) -> [f32; 5] {
     match *emission {
-        LightEmission::Spot { scale, offset, inv_range2, .. } if scale > 0.0 => {
-            [(1.0 - offset) / scale, -offset / scale, scale, offset, inv_range2]
+        LightEmission::Spot { cone: SpotCone { scale, offset, .. }, window } if scale > 0.0 => {
+            [(1.0 - offset) / scale, -offset / scale, scale, offset, window.inv_range2]
         }
-        LightEmission::Spot { inv_range2, .. } => [-2.0, -2.0, 0.0, 1.0, inv_range2],
+        LightEmission::Spot { window, .. } => [-2.0, -2.0, 0.0, 1.0, window.inv_range2],
         _ => [-2.0, -2.0, 0.0, 1.0, 0.0],
     }
 }
