@@ -54,6 +54,13 @@ def stage() -> None:
     shutil.copy(SOURCE / "book.toml", BOOK / "book.toml")
 
 
+def rename_links() -> None:
+    """A folder's README is its index in the book; links to it follow."""
+    for file in (BOOK / "html").rglob("*.html"):
+        page = file.read_text(encoding="utf-8")
+        file.write_text(re.sub(r'(href="(?![^"]*:)[^"]*?)\bREADME\.html', r"\1index.html", page), encoding="utf-8")
+
+
 def unlisted() -> list[str]:
     """Pages in docs/ that the book does not have."""
     listed = set(re.findall(r"\]\(([^)]+)\)", (SOURCE / "SUMMARY.md").read_text(encoding="utf-8")))
@@ -87,6 +94,7 @@ def main(mdbook: str = "mdbook") -> int:
     """Builds and checks; the exit code is 1 where a link leads nowhere."""
     stage()
     subprocess.run([mdbook, "build", str(BOOK)], check=True)
+    rename_links()
     shutil.rmtree(SITE, ignore_errors=True)
     shutil.copytree(BOOK / "html", SITE)
     shutil.copytree(ROOT / "target" / "doc", SITE / "rust")

@@ -2,6 +2,7 @@
 
 mod aov;
 mod compare;
+mod docs;
 mod environment;
 mod help;
 #[cfg(unix)]
