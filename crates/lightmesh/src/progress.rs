@@ -10,7 +10,7 @@ use crate::Viewer;
 #[non_exhaustive]
 pub enum Stage {
     /// Making a first sketch for a [`Viewer`]; counts samples.
-    Sketch,
+    CoarsePreview,
     /// Comparing pixels with their exact light, to keep to [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
     Check,
     /// Finding out which mesh points a picture's samples read; counts samples.
@@ -18,7 +18,7 @@ pub enum Stage {
     /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
     Render,
     /// Sampling the outlines of lamps again, more finely; counts samples.
-    Outlines,
+    EmitterEdges,
     /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::options::Method::Path)
     /// [`RenderOptions::spp`](crate::options::RenderOptions::spp).
     Measure,

@@ -61,13 +61,13 @@ pub(super) fn collapse(
         Builder { binary, choices: choices(binary, rule), tree: WideTree::default(), under: Vec::new(), emit_leaf };
     // Each entry: a piece's binary node, and where its reference belongs.
     let mut pending = vec![(0_usize, None, 0_usize)];
-    while let Some((at, slot, depth)) = pending.pop() {
-        let (child, grandchildren) = builder.emit(at);
+    while let Some((index, slot, depth)) = pending.pop() {
+        let (child, grandchildren) = builder.emit(index);
         builder.tree.depth = builder.tree.depth.max(depth + 1);
         match slot {
             None => builder.tree.root = Some(child),
             Some((node, lane)) => {
-                let Aabb { min, max } = binary[at].bounds;
+                let Aabb { min, max } = binary[index].bounds;
                 let node: &mut Node = &mut builder.tree.nodes[node];
                 node.set_child(lane, min.to_array(), max.to_array(), child);
             }

@@ -128,7 +128,8 @@ impl<'a> RegionVisibility<'a> {
         for (lane, &node) in nodes.iter().enumerate().filter(|(_, node)| **node != LightTree::NO_NODE) {
             leaves.push((lane as u32, tree.leaves(node)));
             if !tree.is_single(node) {
-                let (radius, (r, arriving)) = (tree.radius(node), tree.facing(node, *falloff, centre));
+                let (radius, (r, arriving)) =
+                    (tree.radius(node), tree.distance_and_illuminance(node, *falloff, centre));
                 least[lane] = LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0);
                 radii[lane] = radius;
             }

@@ -157,8 +157,8 @@ pub fn outlines(
         check_length("seen", portion.seen.len(), pixels.len())?;
         pixels.iter().zip(&portion.seen).for_each(|(&pixel, &saw)| seen[pixel as usize] = saw);
     }
-    film.put_seen(&seen);
-    let any = film.turn_to_outlines(u64::MAX);
+    film.set_seen(&seen);
+    let any = film.begin_emitter_edges(u64::MAX);
     Ok(any.then(|| Outlines { seen, waves: film.wave_count() }))
 }
 
@@ -196,7 +196,7 @@ pub(crate) fn film_of(
     check(options)?;
     let mut film = new_film(scene, camera, options);
     match samples {
-        PictureSamples::All if scene.has_lamps() && options.method != Method::Path => film.watch_lamps(),
+        PictureSamples::All if scene.has_visible_emitters() && options.method != Method::Path => film.watch_emitters(),
         PictureSamples::All => {}
         PictureSamples::Outlines(outlines) => turn_to(&mut film, outlines)?,
     }
@@ -218,7 +218,7 @@ fn put(film: &mut Film, portions: &[Portion], stats: &mut RenderStats) -> Result
     for portion in in_order(film, portions)? {
         let pixels = film.portion_pixels(portion.waves.clone());
         check_length("values", portion.values.len(), pixels.len() * film.channels())?;
-        film.put_pixels(&pixels, &portion.values);
+        film.set_pixels(&pixels, &portion.values);
         stats.add(&portion.stats);
     }
     film.end_pass();
@@ -249,8 +249,8 @@ fn check_length(what: &str, length: usize, expected: usize) -> Result<(), Error>
 /// Turns to the pixels on outlines.
 fn turn_to(film: &mut Film, outlines: &Outlines) -> Result<(), Error> {
     check_length("seen", outlines.seen.len(), film.pixel_count() as usize)?;
-    film.put_seen(&outlines.seen);
-    if film.turn_to_outlines(u64::MAX) {
+    film.set_seen(&outlines.seen);
+    if film.begin_emitter_edges(u64::MAX) {
         return Ok(());
     }
     Err(Error::InvalidOption { option: "outlines", what: "no pixel of this picture is on one".into() })

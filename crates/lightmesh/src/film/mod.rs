@@ -44,11 +44,11 @@ pub(crate) struct Film {
     aovs: Aovs,
     layers: Layers,
     /// What samples saw of each pixel; empty where nobody asks.
-    emitter_seen: Vec<u8>,
+    seen: Vec<u8>,
     /// What there is to see of pixels without samples.
-    sketch: Option<CoarsePreview>,
+    coarse_preview: Option<CoarsePreview>,
     /// The pixels of the pass, where they are sampled anew.
-    outlines: Option<EmitterEdges>,
+    emitter_edges: Option<EmitterEdges>,
 }
 
 /// One sample of one pixel.
@@ -77,9 +77,9 @@ impl Film {
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.aovs,
             layers: Layers::new(options.aovs, order.len()),
-            emitter_seen: Vec::new(),
-            sketch: None,
-            outlines: None,
+            seen: Vec::new(),
+            coarse_preview: None,
+            emitter_edges: None,
         }
     }
 
@@ -95,15 +95,16 @@ impl Film {
 
     /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
     /// pass. Layers are not collected.
-    pub(crate) fn begin_sketch(&mut self, stride: u32) {
-        let pixels = CoarsePreview::pixels(self.order, stride, self.sketch.as_ref());
+    pub(crate) fn begin_coarse_preview(&mut self, stride: u32) {
+        let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
     }
 
     /// Keeps what the sketch has become, to be seen where nothing better is, and leaves the film empty.
-    pub(crate) fn finish_sketch(&mut self, stride: u32) {
-        self.sketch = Some(CoarsePreview::take(self.order, stride, self.sketch.as_ref(), &mut self.sums));
+    pub(crate) fn finish_coarse_preview(&mut self, stride: u32) {
+        self.coarse_preview =
+            Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
         self.layers = Layers::new(self.aovs, self.order.len());
         self.begin_pass(0..self.offsets.len() as u32);
     }
@@ -121,9 +122,9 @@ impl Film {
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
-            emitter_seen: Vec::new(),
-            sketch: None,
-            outlines: None,
+            seen: Vec::new(),
+            coarse_preview: None,
+            emitter_edges: None,
         }
     }
 
@@ -140,7 +141,7 @@ impl Film {
         let seed = hash(fold_seed(seed) ^ hash(set.wrapping_add(0x51ed)));
         let pixel = |i: u64| {
             let (from, to) = (i * all / count, (i + 1) * all / count);
-            let (x, y) = self.order.place(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
+            let (x, y) = self.order.coordinates(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
             y * self.order.width + x
         };
         (0..count).map(pixel).collect()
@@ -173,7 +174,7 @@ impl Film {
 
     /// How many samples every pixel has, those on outlines before they were sampled anew.
     pub(crate) fn whole_passes(&self) -> u32 {
-        match &self.outlines {
+        match &self.emitter_edges {
             Some(outlines) => outlines.spp,
             None if self.pass.left(self.pass_pixels()) == 0 => self.pass.indices.end,
             None => self.pass.indices.start,
@@ -195,7 +196,7 @@ impl Film {
         let spp = self.pass.samples_per_pixel();
         let first = self.pass.indices.start;
         let list = self.pass.pixels.as_deref();
-        let (mut x, mut y) = if list.is_some() { (0, 0) } else { self.order.place(range.start / spp) };
+        let (mut x, mut y) = if list.is_some() { (0, 0) } else { self.order.coordinates(range.start / spp) };
         let mut index = (range.start % spp) as u32;
         range.map(move |n| {
             if let Some(pixels) = list {

@@ -25,10 +25,10 @@ pub(crate) enum SumOrder {
 pub(crate) const WAVE: u64 = 1 << 16;
 
 /// Pixels from sample to sample of the sketches, the coarsest first.
-const SKETCHES: [u32; 3] = [8, 4, 2];
+const PREVIEW_STRIDES: [u32; 3] = [8, 4, 2];
 
 /// What a sketch may cost: one part in so many of the first pass.
-const SKETCH_PART: u32 = 16;
+const PREVIEW_PART: u32 = 16;
 
 /// A pass takes an eighth of the samples that there are, at least one per pixel: where time ends in the middle of it, the
 /// first pixels have an eighth more than the last.
@@ -47,11 +47,11 @@ pub(crate) fn take_samples(
 
     // Something to see, soon.
     if watch.viewer.is_some() {
-        for stride in SKETCHES.into_iter().filter(|stride| stride * stride * first_pass >= SKETCH_PART) {
-            film.begin_sketch(stride);
-            let reporter = Reporter::new(watch.progress, Stage::Sketch, film.sample_count());
+        for stride in PREVIEW_STRIDES.into_iter().filter(|stride| stride * stride * first_pass >= PREVIEW_PART) {
+            film.begin_coarse_preview(stride);
+            let reporter = Reporter::new(watch.progress, Stage::CoarsePreview, film.sample_count());
             trace(film, watch, &reporter)?;
-            film.finish_sketch(stride);
+            film.finish_coarse_preview(stride);
             watch.show(film);
         }
     }

@@ -10,15 +10,15 @@ impl Film {
     /// What there is so far: the mean over the samples that each pixel has; where it has none, the sketch; where there is
     /// none either, black. `None` while a sketch is being made.
     pub(crate) fn picture(&self) -> Option<Image> {
-        let pixels = match (&self.pass.pixels, &self.outlines) {
-            (Some(list), Some(outlines)) => self.with_outlines(list, outlines),
+        let pixels = match (&self.pass.pixels, &self.emitter_edges) {
+            (Some(list), Some(outlines)) => self.with_emitter_edges(list, outlines),
             (Some(_), None) => return None,
             (None, _) => {
                 let mut pixels = vec![Vec3::ZERO; self.sums.len()];
                 for (numbers, samples) in self.pass.counts(self.sums.len() as u64) {
                     for pixel in self.order.pixels(numbers) {
                         pixels[pixel as usize] = match samples {
-                            0 => self.sketched(pixel),
+                            0 => self.preview_at(pixel),
                             samples => self.sums[pixel as usize] * (1.0 / samples as f32),
                         };
                     }
@@ -30,27 +30,29 @@ impl Film {
     }
 
     /// All pixels, which are done; those on the outlines as they were before where they are not done anew.
-    fn with_outlines(&self, list: &[u32], outlines: &EmitterEdges) -> Vec<Vec3> {
-        let scale = 1.0 / outlines.spp as f32;
+    fn with_emitter_edges(&self, list: &[u32], edges: &EmitterEdges) -> Vec<Vec3> {
+        let scale = 1.0 / edges.spp as f32;
         let mut pixels: Vec<Vec3> = self.sums.iter().map(|&sum| sum * scale).collect();
         let [(done, samples), ..] = self.pass.counts(list.len() as u64);
         let (anew, as_before) = list.split_at(done.end as usize);
         for &pixel in anew {
             pixels[pixel as usize] = self.sums[pixel as usize] * (1.0 / samples as f32);
         }
-        for (&pixel, &before) in as_before.iter().zip(&outlines.before[anew.len()..]) {
+        for (&pixel, &before) in as_before.iter().zip(&edges.before[anew.len()..]) {
             pixels[pixel as usize] = before * scale;
         }
         pixels
     }
 
-    fn sketched(&self, pixel: u32) -> Vec3 {
-        self.sketch.as_ref().map_or(Vec3::ZERO, |s| s.at(pixel % self.order.width, pixel / self.order.width))
+    fn preview_at(&self, pixel: u32) -> Vec3 {
+        self.coarse_preview
+            .as_ref()
+            .map_or(Vec3::ZERO, |s| s.color_at(pixel % self.order.width, pixel / self.order.width))
     }
 
     /// The mean over each pixel's samples, and the layers.
     pub(crate) fn into_image(self) -> (Image, Vec<Layer>) {
-        let Self { order, pass, outlines, sums: mut pixels, mut layers, .. } = self;
+        let Self { order, pass, emitter_edges: outlines, sums: mut pixels, mut layers, .. } = self;
         let all = pixels.len() as u64;
         if let (Some(list), Some(outlines)) = (&pass.pixels, &outlines) {
             // The others are divided by `spp` below, and so are these.

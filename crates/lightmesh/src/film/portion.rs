@@ -44,7 +44,7 @@ impl Film {
     }
 
     /// Takes sums of some pixels as [`Film::copy_pixels`] gave them.
-    pub(crate) fn put_pixels(&mut self, pixels: &[u32], values: &[f32]) {
+    pub(crate) fn set_pixels(&mut self, pixels: &[u32], values: &[f32]) {
         for (&pixel, values) in pixels.iter().zip(values.chunks_exact(self.channels())) {
             self.sums[pixel as usize] = glam::Vec3::from_slice(values);
             self.layers.copy_from(pixel, &values[3..]);
@@ -59,15 +59,11 @@ impl Film {
 
     /// What samples of some pixels saw; empty where nobody asks.
     pub(crate) fn copy_seen(&self, pixels: &[u32]) -> Vec<u8> {
-        if self.emitter_seen.is_empty() {
-            Vec::new()
-        } else {
-            pixels.iter().map(|&pixel| self.emitter_seen[pixel as usize]).collect()
-        }
+        if self.seen.is_empty() { Vec::new() } else { pixels.iter().map(|&pixel| self.seen[pixel as usize]).collect() }
     }
 
     /// Takes what samples saw of all pixels, row by row; which of them are lamps' outlines follows from it.
-    pub(crate) fn put_seen(&mut self, seen: &[u8]) {
-        self.emitter_seen = seen.to_vec();
+    pub(crate) fn set_seen(&mut self, seen: &[u8]) {
+        self.seen = seen.to_vec();
     }
 }

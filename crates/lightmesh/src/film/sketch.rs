@@ -30,7 +30,7 @@ impl CoarsePreview {
         for y in (0..order.height).step_by(stride as usize) {
             for x in (0..order.width).step_by(stride as usize) {
                 blocks.push(match coarser {
-                    Some(coarser) if coarser.samples(x, y) => coarser.at(x, y),
+                    Some(coarser) if coarser.samples(x, y) => coarser.color_at(x, y),
                     _ => std::mem::take(&mut sums[(y * order.width + x) as usize]),
                 });
             }
@@ -39,7 +39,7 @@ impl CoarsePreview {
     }
 
     /// What it shows at a pixel.
-    pub(super) fn at(&self, x: u32, y: u32) -> Vec3 {
+    pub(super) fn color_at(&self, x: u32, y: u32) -> Vec3 {
         self.blocks[(y / self.stride * self.columns + x / self.stride) as usize]
     }
 
@@ -71,7 +71,7 @@ mod tests {
         let grid = (0..10).step_by(4).flat_map(|y| (0..21).step_by(4).map(move |x| y * 21 + x));
         assert!(taken.into_iter().eq(grid));
         assert!(sums.iter().all(|&sum| sum == Vec3::ZERO));
-        assert_eq!(sketch.at(20, 9), Vec3::splat(1.0 + (8 * 21 + 20) as f32));
-        assert_eq!(sketch.at(3, 7), Vec3::splat(1.0 + (4 * 21) as f32));
+        assert_eq!(sketch.color_at(20, 9), Vec3::splat(1.0 + (8 * 21 + 20) as f32));
+        assert_eq!(sketch.color_at(3, 7), Vec3::splat(1.0 + (4 * 21) as f32));
     }
 }

@@ -235,7 +235,7 @@ impl IndirectField {
         gathered: &mut GatheredLight,
     ) -> Result<u64, Error> {
         // Reflected once, direct light needs no points; only emission that is gathered does.
-        if !self.links() || (self.bounce_values.len() == 2 && !scene.has_gathered_emitters()) {
+        if !self.links() || (self.bounce_values.len() == 2 && !scene.has_unsampled_emitters()) {
             gathered.transfers.resize_with(gathered.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
@@ -289,7 +289,7 @@ impl IndirectField {
         if k == 0 {
             return gathered.emission.clone();
         }
-        if k == 1 && !scene.has_gathered_emitters() {
+        if k == 1 && !scene.has_unsampled_emitters() {
             return gathered.first.clone();
         }
         let (sides, below) = (self.faces.count(), &self.bounce_values[k - 1]);

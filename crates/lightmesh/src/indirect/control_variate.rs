@@ -53,7 +53,7 @@ impl IndirectField {
         paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());
-        if vertices.is_empty() || (paths.bounces == 0 && !direct.scene.has_gathered_emitters()) {
+        if vertices.is_empty() || (paths.bounces == 0 && !direct.scene.has_unsampled_emitters()) {
             irradiance.resize(vertices.len(), Vec3::ZERO);
             return Ok(irradiance);
         }

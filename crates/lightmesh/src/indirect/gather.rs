@@ -176,7 +176,7 @@ impl GatherRays {
                 ray.t_min = hit.t;
             } else {
                 layers = 0;
-                if surface.illuminating != Vec3::ZERO && scene.is_gathered(hit.target) {
+                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(hit.target) {
                     self.emitted.push((number, beta * surface.illuminating));
                 }
                 let specular = if depth < options.depth { 1.0 } else { 0.0 };

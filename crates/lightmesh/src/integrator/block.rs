@@ -94,7 +94,7 @@ impl RayBlock {
 
     pub(super) fn add_to(&self, film: &mut Film) {
         for &(pixel, lamp) in &self.emitter_seen {
-            film.saw(pixel, lamp);
+            film.mark_seen(pixel, lamp);
         }
         for &(pixel, radiance) in &self.emitted {
             film.add(pixel, radiance);
@@ -138,7 +138,7 @@ impl RayBlock {
         self.next.clear();
         self.emitter_seen.clear();
         self.first_hits.clear();
-        let (watched, layered) = (scene.has_lamps(), !options.aovs.is_empty());
+        let (watched, layered) = (scene.has_visible_emitters(), !options.aovs.is_empty());
         for (from, hit) in self.input.iter().zip(&self.hits) {
             let first = watched && from.depth == 0 && from.transparent_hits == 0;
             let Some(hit) = hit else {
@@ -155,7 +155,7 @@ impl RayBlock {
             let beta = from.beta * surface.opacity;
             if first {
                 self.emitter_seen
-                    .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_gathered(hit.target)));
+                    .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_unsampled(hit.target)));
             }
             if surface.emission != Vec3::ZERO {
                 self.emitted.push((from.pixel, beta * surface.emission));

@@ -66,15 +66,15 @@ pub(crate) fn render_waves(
     let mut frame = WaveFrame::new(scene, options, lighting);
     let mut stats = RenderStats::default();
     frame.prepare(film, watch, &mut stats)?;
-    let lamps = scene.has_lamps();
+    let lamps = scene.has_visible_emitters();
     if lamps {
-        film.watch_lamps();
+        film.watch_emitters();
     }
     take_samples(film, options, SumOrder::Waves, watch, |film, watch, reporter| {
         frame.render_pass(film, watch, reporter, &mut stats)
     })?;
-    if lamps && film.whole_passes() == options.spp && film.turn_to_outlines(watch.samples_left()) {
-        let reporter = Reporter::new(watch.progress, Stage::Outlines, film.sample_count());
+    if lamps && film.whole_passes() == options.spp && film.begin_emitter_edges(watch.samples_left()) {
+        let reporter = Reporter::new(watch.progress, Stage::EmitterEdges, film.sample_count());
         frame.render_pass(film, watch, &reporter, &mut stats)?;
     }
     Ok(stats)
@@ -225,7 +225,7 @@ pub(crate) fn light(
             sum.fill_direct += seconds.fill;
             sum.shade += seconds.shade;
             // A mesh for more bounces may serve none: then there is nothing to read but emission that gather rays find.
-            let further = options.bounces > 0 || scene.has_gathered_emitters();
+            let further = options.bounces > 0 || scene.has_unsampled_emitters();
             if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, further) {
                 light_indirectly(field, marks, direct, blocks)?;
             }

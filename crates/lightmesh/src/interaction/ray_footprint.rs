@@ -67,7 +67,7 @@ impl Section {
     /// In the coordinates that grow like this.
     fn on(&self, (u, v): Growth) -> Footprint {
         let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
-        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.offset) }
+        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], offset: along(self.offset) }
     }
 }
 
@@ -134,12 +134,12 @@ mod tests {
         let found = section.on(barycentric_growth(&triangle)).mapped(p.map(coordinates));
         let expected = Footprint {
             sides: [coordinates(section.diameters.0), coordinates(section.diameters.1)],
-            aside: coordinates(section.offset),
+            offset: coordinates(section.offset),
         };
         for (found, expected) in found.sides.into_iter().zip(expected.sides) {
             assert!((found - expected).length() < 1e-5, "{found} {expected}");
         }
-        assert!((found.aside - expected.aside).length() < 1e-5);
+        assert!((found.offset - expected.offset).length() < 1e-5);
         assert_eq!(barycentric_growth(&placed([Vec3::ZERO, Vec3::X, Vec3::X * 2.0])), (Vec3::ZERO, Vec3::ZERO));
     }
 

@@ -170,7 +170,7 @@ pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 
 
 /// Whether the surface that was hit stops every shadow ray.
 pub(crate) fn is_opaque(scene: &Scene, hit: &Hit) -> bool {
-    scene.is_solid(material_of(scene, hit))
+    scene.is_opaque(material_of(scene, hit))
 }
 
 /// Index of the hit surface's material.
@@ -248,7 +248,7 @@ fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Surface
     let image = &scene.data().images[texture.image];
     let (uv, footprint) = (r.transform.apply(place.uvs[r.uv_set]), place.footprints[r.uv_set]);
     let footprint = footprint.transformed(&r.transform);
-    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), ColorEncoding::Srgb)
+    texture.sample_over(image, || scene.mipmap(texture.image), (uv, footprint), ColorEncoding::Srgb)
 }
 
 /// A texture of numbers, at a point.

@@ -83,7 +83,7 @@ impl LightTerms {
         let beyond_least = 0.25 * doubt.length_squared();
         let (mut r, mut g, mut b) = (zero, zero, zero);
         let mut total = 0.0;
-        let mut rooms = self.blocks.iter_mut().zip(weights.chunks_exact(LANES));
+        let mut slots = self.blocks.iter_mut().zip(weights.chunks_exact(LANES));
         for_each_block(
             simd,
             lights,
@@ -91,25 +91,25 @@ impl LightTerms {
             position,
             #[inline(always)]
             |block, _, l| {
-                let Some((terms, w)) = rooms.next() else { return };
+                let Some((terms, w)) = slots.next() else { return };
                 let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(zero) * l.f;
                 let [red, green, blue] =
                     [&block.r, &block.g, &block.b].map(|channel| f32x16::load_array_ref(simd, channel));
-                let mass = e * (red + green + blue) * (1.0 / 3.0);
+                let contribution = e * (red + green + blue) * (1.0 / 3.0);
                 let above = l.dx * ng.x + l.dy * ng.y + l.dz * ng.z;
-                let mut doubtful = above.simd_le(zero);
+                let mut towards_occluder = above.simd_le(zero);
                 if beyond_least > 0.0 {
                     let r2 = l.dx * l.dx + l.dy * l.dy + l.dz * l.dz;
                     let beyond = l.dx * doubt.x + l.dy * doubt.y + l.dz * doubt.z;
-                    doubtful |= (beyond * beyond.abs()).simd_gt(r2 * beyond_least);
+                    towards_occluder |= (beyond * beyond.abs()).simd_gt(r2 * beyond_least);
                 }
-                terms.towards_occluder = (doubtful & mass.simd_gt(zero)).to_bitmask() as u32;
-                for (room, d) in terms.directions.iter_mut().zip([l.dx, l.dy, l.dz]) {
-                    d.store_array(room);
+                terms.towards_occluder = (towards_occluder & contribution.simd_gt(zero)).to_bitmask() as u32;
+                for (lanes, d) in terms.directions.iter_mut().zip([l.dx, l.dy, l.dz]) {
+                    d.store_array(lanes);
                 }
                 e.store_array(&mut terms.factors);
-                mass.store_array(&mut terms.contributions);
-                terms.contribution = sum(mass);
+                contribution.store_array(&mut terms.contributions);
+                terms.contribution = sum(contribution);
                 total += terms.contribution;
                 let weighted = e * f32x16::from_slice(simd, w);
                 r += weighted * red;
@@ -124,8 +124,8 @@ impl LightTerms {
     /// the channels, if any of their lights, which are within `radii` of their places, can be above it.
     #[inline(always)]
     pub(crate) fn raise_to_least(&mut self, n: Vec3, least: &[f32], radii: &[f32]) {
-        let rooms = self.blocks.iter_mut().zip(least.chunks_exact(LANES)).zip(radii.chunks_exact(LANES));
-        for ((terms, least), radii) in rooms {
+        let slots = self.blocks.iter_mut().zip(least.chunks_exact(LANES)).zip(radii.chunks_exact(LANES));
+        for ((terms, least), radii) in slots {
             let [x, y, z] = &terms.directions;
             let mut more = 0.0;
             for i in 0..LANES {

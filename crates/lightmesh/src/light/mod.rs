@@ -12,7 +12,7 @@ mod tree;
 pub(crate) use contributions::{BlockTerms, LightTerms, Receiver};
 pub(crate) use cut_at::LightCut;
 pub(crate) use emitters::Emitters;
-pub(crate) use emitters::sphere::sample_ball;
+pub(crate) use emitters::sphere::sample_unit_ball;
 pub(crate) use samples::{Directions, LANES, LightSamples};
 pub(crate) use tree::LightTree;
 pub(crate) use tree::bound::Receivers;

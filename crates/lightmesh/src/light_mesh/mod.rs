@@ -72,7 +72,7 @@ impl LightMesh {
             Ok::<_, Error>(levels)
         };
         let meshes = options.method.has_mesh();
-        let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
+        let wants_indirect = meshes && (options.bounces > 0 || scene.has_unsampled_emitters());
         let indirect = match wants_indirect {
             true => Some(lattices("indirect-spacing", options.indirect_spacing, indirect_auto)?),
             false => None,

@@ -34,17 +34,17 @@ impl Table {
     }
 
     /// The density at a place; its mean over [0, 1)² is 1.
-    pub(crate) fn pdf(&self, place: Vec2) -> f32 {
-        let (column, row) = self.cell(place);
+    pub(crate) fn pdf(&self, uv: Vec2) -> f32 {
+        let (column, row) = self.cell(uv);
         let share = |cdf: &[f32], i: usize| cdf[i] - if i > 0 { cdf[i - 1] } else { 0.0 };
         let columns = &self.columns[row * self.width..][..self.width];
         share(columns, column) * share(&self.rows, row) * (self.width * self.height) as f32
     }
 
     /// The cell of a place: column and row.
-    pub(crate) fn cell(&self, place: Vec2) -> (usize, usize) {
+    pub(crate) fn cell(&self, uv: Vec2) -> (usize, usize) {
         let at = |x: f32, n: usize| ((x * n as f32) as usize).min(n - 1);
-        (at(place.x, self.width), at(place.y, self.height))
+        (at(uv.x, self.width), at(uv.y, self.height))
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec4};
 
 use super::mipmap::Mipmap;
-use super::texture::{ColorEncoding, Filter, ImageData, Texture, UvTransform, fold};
+use super::texture::{ColorEncoding, Filter, ImageData, Texture, UvTransform, wrap_to_period};
 
 /// What a sample covers of a texture: the parallelogram of two vectors about a place beside the one that it hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub(crate) struct Footprint {
     /// Its sides, in texture coordinates.
     pub sides: [Vec2; 2],
     /// Where its middle is beside the place that was hit, in texture coordinates.
-    pub aside: Vec2,
+    pub offset: Vec2,
 }
 
 /// Lookups at most for one footprint, as GPUs have them. A footprint that is longer than so many times its width is looked
@@ -20,18 +20,18 @@ const MOST_TAPS: f32 = 16.0;
 
 impl Footprint {
     /// A single place.
-    pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], aside: Vec2::ZERO };
+    pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], offset: Vec2::ZERO };
 
     /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third barycentric coordinates.
     pub(crate) fn mapped(self, corners: [Vec2; 3]) -> Self {
         let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
         let map = |side: Vec2| b * side.x + c * side.y;
-        Self { sides: self.sides.map(map), aside: map(self.aside) }
+        Self { sides: self.sides.map(map), offset: map(self.offset) }
     }
 
     /// The footprint in the coordinates that a transform makes.
     pub(crate) fn transformed(self, transform: &UvTransform) -> Self {
-        Self { sides: self.sides.map(|side| transform.matrix * side), aside: transform.matrix * self.aside }
+        Self { sides: self.sides.map(|side| transform.matrix * side), offset: transform.matrix * self.offset }
     }
 
     /// The row of lookups that replaces it on an image, or `None` if it is no longer than a texel: the image is magnified.
@@ -93,7 +93,7 @@ impl Texture {
     pub(crate) fn sample_over<'a>(
         &self,
         image: &'a ImageData,
-        pyramid: impl FnOnce() -> &'a Mipmap,
+        mipmap_of_image: impl FnOnce() -> &'a Mipmap,
         (uv, footprint): (Vec2, Footprint),
         decode: ColorEncoding,
     ) -> Vec4 {
@@ -103,9 +103,9 @@ impl Texture {
         };
         let Some(taps) = taps else { return self.sample(image, uv, decode) };
         // Most lookups are in the first period then, where none has to be divided by the size.
-        let middle = uv + footprint.aside;
+        let middle = uv + footprint.offset;
         let major = taps.major / Vec2::new(image.width as f32, image.height as f32);
-        let middle = Vec2::new(fold(self.wrap_s, middle.x), fold(self.wrap_t, middle.y));
+        let middle = Vec2::new(wrap_to_period(self.wrap_s, middle.x), wrap_to_period(self.wrap_t, middle.y));
         let along = |image: &ImageData, count: u32| {
             let step = major / count as f32;
             self.sample_row(image, (middle - step * (0.5 * (count - 1) as f32), step), count, decode)
@@ -113,7 +113,7 @@ impl Texture {
         if taps.level == 0 && taps.above == 0.0 {
             return along(image, taps.count);
         }
-        let pyramid = pyramid();
+        let pyramid = mipmap_of_image();
         let fine = along(pyramid.level(image, taps.level), taps.count);
         if taps.above == 0.0 {
             return fine;
@@ -140,7 +140,7 @@ mod tests {
 
     fn over(texture: &Texture, image: &ImageData, uv: Vec2, sides: [Vec2; 2]) -> f32 {
         let pyramid = Mipmap::new(image);
-        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, aside: Vec2::ZERO }), ColorEncoding::Linear).x
+        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, offset: Vec2::ZERO }), ColorEncoding::Linear).x
     }
 
     /// A checkerboard of single texels is grey from afar, wherever it is looked at and however it is turned.
@@ -166,7 +166,7 @@ mod tests {
                 let texel = Vec2::new(1.0 / 17.0, 1.0 / 9.0);
                 let angle = Vec2::from_angle(i as f32);
                 let sides = [angle * texel * 0.999, angle.perp() * texel * 0.999];
-                let footprint = (uv, Footprint { sides, aside: Vec2::ONE });
+                let footprint = (uv, Footprint { sides, offset: Vec2::ONE });
                 let value =
                     texture.sample_over(&picture, || unreachable!("no pyramid"), footprint, ColorEncoding::Linear);
                 assert_eq!(value, texture.sample(&picture, uv, ColorEncoding::Linear));

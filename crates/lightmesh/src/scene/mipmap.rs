@@ -64,7 +64,7 @@ impl Mipmap {
 impl ImageData {
     /// Texels of all the smaller copies together that a built scene has of an image of colours of this size. 8 × 2:
     /// 4 × 1, 2 × 1 and 1 × 1, 7 texels.
-    pub fn pyramid_texels(width: u32, height: u32) -> u64 {
+    pub fn mipmap_texels(width: u32, height: u32) -> u64 {
         let (mut width, mut height, mut texels) = (width.max(1), height.max(1), 0_u64);
         while width > 1 || height > 1 {
             (width, height) = (half(width), half(height));
@@ -182,7 +182,7 @@ mod tests {
                 assert!((mean(level) - mean(&image)).abs().max_element() < 1e-5, "{width}x{height}");
             }
             let texels: u64 = pyramid.levels.iter().map(|l| u64::from(l.width) * u64::from(l.height)).sum();
-            assert_eq!(texels, ImageData::pyramid_texels(width, height));
+            assert_eq!(texels, ImageData::mipmap_texels(width, height));
             assert!(pyramid.levels.last().is_none_or(|l| (l.width, l.height) == (1, 1)));
         }
     }

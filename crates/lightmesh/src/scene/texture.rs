@@ -261,7 +261,7 @@ fn floor(x: f32) -> i32 {
 }
 
 /// The coordinate in the first period of the wrap mode, or itself where there is none.
-pub(crate) fn fold(mode: Wrap, u: f32) -> f32 {
+pub(crate) fn wrap_to_period(mode: Wrap, u: f32) -> f32 {
     match mode {
         Wrap::Repeat => u - u.floor(),
         Wrap::MirroredRepeat => u - 2.0 * (0.5 * u).floor(),

@@ -15,12 +15,12 @@ use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build
 pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
-    frames: Vec<InstanceFrame>,
+    instance_frames: Vec<InstanceFrame>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
-    pyramids: Vec<Mipmap>,
-    solid: Vec<bool>,
-    all_solid: bool,
+    mipmaps: Vec<Mipmap>,
+    opaque: Vec<bool>,
+    all_opaque: bool,
     all_double_sided: bool,
     warnings: Vec<String>,
     level: Level,
@@ -71,23 +71,23 @@ impl Scene {
                 }
             })
             .collect();
-        let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
+        let opaque: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
-        let pyramids = build_mipmaps(&data);
+        let mipmaps = build_mipmaps(&data);
         let level = Level::new();
-        let all_solid = solid.iter().all(|&s| s);
+        let all_opaque = opaque.iter().all(|&s| s);
         let all_double_sided = data.materials.iter().all(|material| material.double_sided);
         Ok(Self {
             emitters,
             emitter_options,
-            pyramids,
-            all_solid,
+            mipmaps,
+            all_opaque,
             all_double_sided,
             data,
             bvh,
-            frames,
-            solid,
+            instance_frames: frames,
+            opaque,
             warnings,
             level,
         })
@@ -143,8 +143,8 @@ impl Scene {
         self.emitters.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(direction))
     }
 
-    pub(crate) fn frame(&self, instance: u32) -> &InstanceFrame {
-        &self.frames[instance as usize]
+    pub(crate) fn instance_frame(&self, instance: u32) -> &InstanceFrame {
+        &self.instance_frames[instance as usize]
     }
 
     /// Whether any texture is averaged over what a sample sees of it.
@@ -153,18 +153,18 @@ impl Scene {
     }
 
     /// The smaller copies of an image of colours.
-    pub(crate) fn pyramid(&self, image: usize) -> &Mipmap {
-        &self.pyramids[image]
+    pub(crate) fn mipmap(&self, image: usize) -> &Mipmap {
+        &self.mipmaps[image]
     }
 
     /// Whether a material stops every shadow ray.
-    pub(crate) fn is_solid(&self, material: usize) -> bool {
-        self.solid[material]
+    pub(crate) fn is_opaque(&self, material: usize) -> bool {
+        self.opaque[material]
     }
 
     /// Whether all do, so that any hit is a shadow.
     pub(crate) fn all_opaque(&self) -> bool {
-        self.all_solid
+        self.all_opaque
     }
 
     /// Whether no material has a back: nothing has an inside.
@@ -173,19 +173,19 @@ impl Scene {
     }
 
     /// Whether anything shines that is much brighter than what it lights: lamps with a size, or a sky.
-    pub(crate) fn has_lamps(&self) -> bool {
+    pub(crate) fn has_visible_emitters(&self) -> bool {
         !self.emitters.area.is_dark() || self.emitters.environment.is_some()
     }
 
     /// Whether a surface's emission is found by gather rays alone.
-    pub(crate) fn is_gathered(&self, target: Target) -> bool {
+    pub(crate) fn is_unsampled(&self, target: Target) -> bool {
         !self.emitters.area.is_sampled(target)
     }
 
     /// Whether there is any such surface.
-    pub(crate) fn has_gathered_emitters(&self) -> bool {
+    pub(crate) fn has_unsampled_emitters(&self) -> bool {
         let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
-        self.emitters.area.has_gathered() || self.data.shapes.iter().any(|entry| emits(entry.material))
+        self.emitters.area.has_unsampled() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }
 
     pub(crate) fn simd_level(&self) -> Level {

@@ -69,7 +69,7 @@ impl EnvironmentLight {
     /// What is seen along a unit direction of the world, cd/m² per channel.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         let Some(image) = &self.environment.map else { return self.environment.radiance };
-        let texel = SAMPLER.sample(image, place_of(self.map_from_world * direction), ColorEncoding::Srgb);
+        let texel = SAMPLER.sample(image, uv_of(self.map_from_world * direction), ColorEncoding::Srgb);
         texel.truncate() * self.environment.radiance
     }
 
@@ -89,7 +89,7 @@ impl EnvironmentLight {
     pub(crate) fn pdf(&self, direction: Vec3) -> f32 {
         match &self.map {
             None => 0.25 * FRAC_1_PI,
-            Some(map) => map.pdf(place_of(self.map_from_world * direction)),
+            Some(map) => map.pdf(uv_of(self.map_from_world * direction)),
         }
     }
 
@@ -129,7 +129,7 @@ impl Map {
             }
         }
         let sides = [(image.width, width), (image.height, height)].map(|(texels, cells)| texels as f32 / cells as f32);
-        let cells = spread(&cells, width as usize, sides);
+        let cells = blur_as_lookups_do(&cells, width as usize, sides);
         let weight = |(i, c): (usize, &Vec3)| luminance(*c) * sin_of_row(i / width as usize, height as usize);
         let weights: Vec<f32> = cells.iter().enumerate().map(weight).collect();
         Self { table: Table::new(width as usize, &weights), width: width as usize, cells }
@@ -154,7 +154,7 @@ impl Map {
 /// What bilinear lookup carries from each cell into its neighbours: over a texel its mean is an eighth of the texel before,
 /// six of its own, an eighth of the next; over a cell of n texels a neighbour's share is 1/8n. Without it the rim of a small
 /// sun is bright where the table says dark, and few samples with huge weights find it. Columns go round; rows end.
-fn spread(cells: &[Vec3], width: usize, texels_per_cell: [f32; 2]) -> Vec<Vec3> {
+fn blur_as_lookups_do(cells: &[Vec3], width: usize, texels_per_cell: [f32; 2]) -> Vec<Vec3> {
     let [a, b] = texels_per_cell.map(|n| 0.125 / n);
     let height = cells.len() / width;
     let across = |x: usize, y: usize| {
@@ -181,7 +181,7 @@ fn direction_of(place: Vec2) -> Vec3 {
 }
 
 /// Where a unit direction is on the map, (u, v) in [0, 1].
-fn place_of(d: Vec3) -> Vec2 {
+fn uv_of(d: Vec3) -> Vec2 {
     let phi = libm::atan2f(-d.z, -d.x) / TAU;
     Vec2::new(if phi < 0.0 { phi + 1.0 } else { phi }, libm::acosf(d.y.clamp(-1.0, 1.0)) / PI)
 }
@@ -220,7 +220,7 @@ mod tests {
         }
         for i in 0..1000 {
             let u = Vec2::new(sobol_burley::sample(i, 0, 7), sobol_burley::sample(i, 1, 7)) * 0.99 + 0.005;
-            assert!((place_of(direction_of(u)) - u).length() < 1e-3, "{u}");
+            assert!((uv_of(direction_of(u)) - u).length() < 1e-3, "{u}");
         }
     }
 

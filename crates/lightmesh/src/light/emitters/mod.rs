@@ -98,7 +98,7 @@ impl Emitters {
         samples.extend(area.samples(data, n, |gathered| !gathered));
         samples.extend(environment.iter().flat_map(|environment| environment.samples(n)));
         let sampled = LightSamples::new(&samples);
-        let all = area.has_gathered().then(|| {
+        let all = area.has_unsampled().then(|| {
             samples.extend(area.samples(data, n, |gathered| gathered));
             LightSamples::new(&samples)
         });

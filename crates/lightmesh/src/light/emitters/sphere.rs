@@ -14,7 +14,7 @@ use crate::sampling::unit_f32;
 use crate::scene::Light;
 
 /// A point of the unit ball from u in [0, 1)³: r = sin a with (2a − sin 2a)/π = u.x, and a uniform direction.
-pub(crate) fn sample_ball(u: Vec3) -> Vec3 {
+pub(crate) fn sample_unit_ball(u: Vec3) -> Vec3 {
     let z = 1.0 - 2.0 * u.y;
     let phi = TAU * u.z;
     let s = (1.0 - z * z).max(0.0).sqrt();
@@ -41,7 +41,7 @@ pub(super) fn samples(light: &Light, radius: f32, n: u32) -> Vec<LightSample> {
             // Directions on a spherical Fibonacci lattice, radii by the radical inverse: neighbours differ in depth.
             let golden = unit_f32(i.wrapping_mul(2_654_435_769));
             let u = Vec3::new(radical_inverse(i), (i as f32 + 0.5) / n as f32, golden);
-            LightSample::Punctual(light.moved(sample_ball(u) * radius).dimmed(1.0 / n as f32))
+            LightSample::Punctual(light.moved(sample_unit_ball(u) * radius).dimmed(1.0 / n as f32))
         })
         .collect()
 }
@@ -63,7 +63,7 @@ mod tests {
     fn inverting_a_thousand_points_gives_their_numbers_back() {
         for i in 0..1000 {
             let u = Vec3::from_array([0, 1, 2].map(|d| 0.001 + 0.998 * sobol_burley::sample(i, d, 5)));
-            let back = invert_ball(sample_ball(u));
+            let back = invert_ball(sample_unit_ball(u));
             assert!((back - u).abs().max_element() < 2e-3, "{u} {back}");
         }
     }
@@ -75,7 +75,7 @@ mod tests {
             let mut rings = [0_u32; 32];
             for i in 0..20_000 {
                 let u = Vec3::from_array([0, 1, 2].map(|d| unit_f32(hash(3 * i + d))));
-                let p = sample_ball(u);
+                let p = sample_unit_ball(u);
                 let r2 = (p - axis * p.dot(axis)).length_squared();
                 rings[(r2 * 32.0).min(31.0) as usize] += 1;
             }

@@ -73,12 +73,12 @@ fn attenuation(falloff: Falloff, r: f32) -> f32 {
 impl LightTree {
     /// How far a node's mean place is from `x`, metres, and what would arrive there of it, R + G + B in lux, if all its lights shone from that
     /// place towards `x`. The distance of directions is 1.
-    pub(crate) fn facing(&self, node: u32, falloff: Falloff, x: Vec3) -> (f32, f32) {
+    pub(crate) fn distance_and_illuminance(&self, node: u32, falloff: Falloff, x: Vec3) -> (f32, f32) {
         let node = &self.nodes[node as usize];
         if node.kind == Kind::Directional {
             return (1.0, node.strength);
         }
-        let r = (node.place - x).length().max(1e-6);
+        let r = (node.mean - x).length().max(1e-6);
         (r, node.strength * attenuation(falloff, r))
     }
 
@@ -86,11 +86,11 @@ impl LightTree {
     pub(super) fn bound(&self, index: u32, receivers: &Receivers, falloff: Falloff) -> Bound {
         let node = &self.nodes[index as usize];
         if node.kind == Kind::Directional {
-            return Bound { error: node.colour, arriving: node.strength };
+            return Bound { error: node.chromatic_error, arriving: node.strength };
         }
         let gap = (node.min - receivers.max).max(receivers.min - node.max).max(Vec3::ZERO);
         let near = gap.length();
-        let far = (node.place - receivers.centre).length() + receivers.radius;
+        let far = (node.mean - receivers.centre).length() + receivers.radius;
         let arriving = node.strength * attenuation(falloff, far.max(1e-6));
         if node.kind == Kind::Isotropic {
             let error = if node.child == 0 { 0.0 } else { isotropic_error(node, near, attenuation(falloff, near)) };
@@ -99,7 +99,7 @@ impl LightTree {
         let orientation = &self.orientations[index as usize - self.first_oriented];
         let cosines = cosines(node, orientation, receivers, near);
         let g = attenuation(falloff, near);
-        match orientation.shape {
+        match orientation.statistics {
             ConeStatistics::Patch { least, most } => {
                 let two_sided = node.kind == Kind::TwoSided;
                 if cosines.most <= 0.0 && !two_sided {
@@ -139,7 +139,7 @@ impl LightTree {
                     };
                     spot_error(node, orientation, edge, inv_range2, (near, furthest), g)
                 };
-                let ramp = match self.luminaires[index as usize].emission {
+                let ramp = match self.representatives[index as usize].emission {
                     LightEmission::Spot { cone, .. } => cone.ramp(cosines.most),
                     _ => 1.0,
                 };
@@ -161,7 +161,7 @@ fn isotropic_error(node: &Node, near: f32, g: f32) -> f32 {
         return f32::INFINITY;
     }
     let u2 = node.variance / (near * near);
-    capped(g * (3.5 * u2 * node.strength + 2.0 * node.colour / near), node, g)
+    capped(g * (3.5 * u2 * node.strength + 2.0 * node.chromatic_error / near), node, g)
 }
 
 /// Of patches, where the cosine's slope jumps by `slope` inside the node. u: deviation of places over distance, v: of normals. Light is linear
@@ -180,7 +180,9 @@ fn patch_error(
     }
     let (u, v, t) = (node.variance.sqrt() / near, orientation.deviation, 2.0 * (most - least) / (near * near));
     let smooth = 4.5 * u * u + 3.0 * u * v + v * v + t * (1.5 * t + 2.0 * u + v);
-    let error = node.strength * (smooth + 0.5 * slope * (u + v)) + 2.0 * node.colour / near + orientation.colour;
+    let error = node.strength * (smooth + 0.5 * slope * (u + v))
+        + 2.0 * node.chromatic_error / near
+        + orientation.chromatic_error;
     capped(g * error, node, g)
 }
 
@@ -218,7 +220,7 @@ fn spot_error(
     if furthest * furthest * inv_range2.1 >= 1.0 {
         relative += 2.0 * u;
     }
-    let error = node.strength * relative + first * node.colour / near + 2.0 * s * orientation.colour;
+    let error = node.strength * relative + first * node.chromatic_error / near + 2.0 * s * orientation.chromatic_error;
     capped(g * error, node, g)
 }
 

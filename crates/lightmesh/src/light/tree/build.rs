@@ -9,19 +9,19 @@ use super::{Kind, LightTree, Node, moments};
 /// A light sample on its way into a tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf {
-    pub luminaire: SampledLight,
+    pub light: SampledLight,
     pub lane: u32,
 }
 
 impl Leaf {
     /// R + G + B.
     pub(super) fn strength(&self) -> f32 {
-        self.luminaire.intensity.element_sum()
+        self.light.intensity.element_sum()
     }
 
     /// Which way it shines; zero for even ones and directions, whose place says it.
     pub(super) fn axis(&self) -> Vec3 {
-        match self.luminaire.emission {
+        match self.light.emission {
             LightEmission::Isotropic | LightEmission::Directional => Vec3::ZERO,
             LightEmission::Patch { normal, .. } => normal,
             LightEmission::Spot { cone, .. } => cone.axis,
@@ -29,7 +29,7 @@ impl Leaf {
     }
 
     fn kind(&self) -> Kind {
-        match self.luminaire.emission {
+        match self.light.emission {
             LightEmission::Isotropic => Kind::Isotropic,
             LightEmission::Patch { back: 0.0, .. } => Kind::OneSided,
             LightEmission::Patch { .. } => Kind::TwoSided,
@@ -40,7 +40,7 @@ impl Leaf {
 
     /// With a normal of the upper hemisphere where both sides shine: patches that are one behind the other are alike.
     fn upright(mut self) -> Self {
-        if let LightEmission::Patch { normal, back, .. } = &mut self.luminaire.emission
+        if let LightEmission::Patch { normal, back, .. } = &mut self.light.emission
             && *back != 0.0
             && normal.to_array() < [0.0; 3]
         {
@@ -53,12 +53,12 @@ impl Leaf {
 impl LightTree {
     /// The trees over all samples.
     pub(crate) fn new(samples: &LightSamples) -> Self {
-        let leaf = |lane| samples.sample(lane).map(|luminaire| Leaf { luminaire, lane: lane as u32 }.upright());
+        let leaf = |lane| samples.sample(lane).map(|luminaire| Leaf { light: luminaire, lane: lane as u32 }.upright());
         let mut leaves: Vec<Leaf> = (0..samples.lanes()).filter_map(leaf).collect();
         leaves.sort_by_key(Leaf::kind);
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * leaves.len()),
-            luminaires: Vec::with_capacity(2 * leaves.len()),
+            representatives: Vec::with_capacity(2 * leaves.len()),
             orientations: Vec::new(),
             first_oriented: usize::MAX,
             first_direction: u32::MAX,
@@ -108,13 +108,13 @@ impl LightTree {
     }
 
     fn add(&mut self, kind: Kind, leaves: &[Leaf], first: usize) {
-        let (node, mut luminaire) = Node::new(kind, leaves, first as u32);
-        if let Some((orientation, oriented)) = moments::orientation(kind, leaves, &luminaire) {
+        let (node, mut representative) = Node::new(kind, leaves, first as u32);
+        if let Some((orientation, oriented)) = moments::orientation(kind, leaves, &representative) {
             self.first_oriented = self.first_oriented.min(self.nodes.len());
             self.orientations.push(orientation);
-            luminaire = oriented;
+            representative = oriented;
         }
-        self.luminaires.push(luminaire);
+        self.representatives.push(representative);
         self.nodes.push(node);
     }
 }
@@ -126,7 +126,7 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         leaves.iter().fold(start, |(min, max), leaf| (min.min(of(leaf)), max.max(of(leaf))))
     };
-    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.luminaire.position;
+    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.light.position;
     let (min, max) = range(place);
     let mut widest = (place, min, max);
     if !matches!(kind, Kind::Isotropic | Kind::Directional) {

@@ -32,7 +32,7 @@ use super::samples::LightSamples;
 pub(crate) struct LightTree {
     nodes: Vec<Node>,
     /// By node: the light that stands for it; a leaf's is its sample.
-    luminaires: Vec<SampledLight>,
+    representatives: Vec<SampledLight>,
     /// By node less `first_oriented`: of patches, spots and ranges.
     orientations: Vec<Orientation>,
     first_oriented: usize,
@@ -61,13 +61,13 @@ struct Node {
     min: Vec3,
     max: Vec3,
     /// Their mean place by strength.
-    place: Vec3,
+    mean: Vec3,
     /// Σ (R + G + B), candela; lux for directions.
     strength: f32,
     /// Mean squared distance from `place` by strength, m².
     variance: f32,
     /// Σ over channels of |Σ_i I_i (x_i − place)|: how far the colours' own means are off, cd m. Of directions the whole error, lux.
-    colour: f32,
+    chromatic_error: f32,
     /// The first of its two children, the other follows; 0: a leaf.
     child: u32,
     /// Its lights in the order of the leaves.
@@ -86,8 +86,8 @@ struct Orientation {
     /// Root of the mean squared difference from the mean axis, by strength.
     deviation: f32,
     /// Σ over channels of |Σ_i I_i (a_i − a)|, candela.
-    colour: f32,
-    shape: ConeStatistics,
+    chromatic_error: f32,
+    statistics: ConeStatistics,
 }
 
 /// Extremes over the lights of a node.
@@ -116,7 +116,7 @@ impl LightTree {
         lights.clear();
         nodes.clear();
         for &node in cut {
-            let lane = lights.push(&self.luminaires[node as usize]);
+            let lane = lights.push(&self.representatives[node as usize]);
             nodes.resize(lane, Self::NO_NODE);
             nodes.push(node);
         }
@@ -138,24 +138,24 @@ impl LightTree {
 
     /// How far a node's box reaches from its mean place, metres.
     pub(crate) fn radius(&self, node: u32) -> f32 {
-        let (node, place) = (&self.nodes[node as usize], self.luminaires[node as usize].position);
+        let (node, place) = (&self.nodes[node as usize], self.representatives[node as usize].position);
         (node.max - place).max(place - node.min).length()
     }
 
     /// The lane of one of a node's samples, chosen in proportion to strength by `u` in [0, 1), and its probability.
     pub(crate) fn choose(&self, node: u32, u: f32) -> (usize, f32) {
-        let (place, before, total) = self.place_of(node, u);
+        let (place, before, total) = self.find_leaf(node, u);
         let probability = (self.sums[place] - if place > 0 { self.sums[place - 1] } else { 0.0 }) / (total - before);
         (self.lanes[place] as usize, probability as f32)
     }
 
     /// The lane of [`LightTree::choose`].
     pub(crate) fn representative(&self, node: u32, u: f32) -> usize {
-        self.lanes[self.place_of(node, u).0] as usize
+        self.lanes[self.find_leaf(node, u).0] as usize
     }
 
     /// One of a node's samples, in the order of the leaves; the sums of strengths before the node and with it.
-    fn place_of(&self, node: u32, u: f32) -> (usize, f64, f64) {
+    fn find_leaf(&self, node: u32, u: f32) -> (usize, f64, f64) {
         let Node { first, count, .. } = self.nodes[node as usize];
         let (first, last) = (first as usize, (first + count) as usize - 1);
         let before = if first > 0 { self.sums[first - 1] } else { 0.0 };
