@@ -1,25 +1,25 @@
 //! The film: which samples belong to which pixel, and their sum.
 
 mod clock;
+mod coarse_preview;
+mod emitter_edges;
 mod layers;
 mod order;
-mod outlines;
 mod pass;
 mod passes;
 mod picture;
 mod portion;
-mod sketch;
 
 use std::ops::Range;
 
 pub(crate) use clock::RenderClock;
+use coarse_preview::CoarsePreview;
+use emitter_edges::EmitterEdges;
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
 use order::TileOrder;
-use outlines::EmitterEdges;
 use pass::Pass;
 pub(crate) use passes::{SumOrder, WAVE, take_samples};
-use sketch::CoarsePreview;
 
 use crate::geometry::{Cone, Ray};
 use crate::sampling::{film_samples, fold_seed, hash};
@@ -32,22 +32,22 @@ pub(crate) struct Film {
     rays: FilmRays,
     order: TileOrder,
     seed: u64,
-    /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
+    /// Positions of a pixel's samples in [0, 1)², in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
     /// Cells of a pixel in each direction, and how wide the square of a cell's area is, in pixels.
     cells: (Vec2, f32),
     /// Whether rays have cones.
     cones: bool,
-    /// What is being sampled.
+    /// The samples that are being taken.
     pass: Pass,
     sums: Vec<Vec3>,
     aovs: Aovs,
     layers: Layers,
-    /// What samples saw of each pixel; empty where nobody asks.
+    /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not supersampled.
     seen: Vec<u8>,
-    /// What there is to see of pixels without samples.
+    /// What is shown of pixels without samples.
     coarse_preview: Option<CoarsePreview>,
-    /// The pixels of the pass, where they are sampled anew.
+    /// The first samples of the pass's pixels, where these are sampled anew.
     emitter_edges: Option<EmitterEdges>,
 }
 
@@ -83,25 +83,25 @@ impl Film {
         }
     }
 
-    /// Gives rays no cones: nobody averages what they see.
+    /// Gives rays no cones: no texture is averaged over a footprint.
     pub(crate) fn drop_cones(&mut self) {
         self.cones = false;
     }
 
-    /// Turns to some of the samples of every pixel; they follow those that it has.
+    /// Begins a pass over some of the samples of every pixel, which follow those that it has.
     pub(crate) fn begin_pass(&mut self, indices: Range<u32>) {
         self.pass = Pass { pixels: None, indices, done: 0, end: None };
     }
 
-    /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
-    /// pass. Layers are not collected.
+    /// Begins a coarse preview: the first sample of every `stride`-th pixel of every `stride`-th row. Previews come before any pass, the
+    /// coarsest first. Layers are not collected.
     pub(crate) fn begin_coarse_preview(&mut self, stride: u32) {
         let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
     }
 
-    /// Keeps what the sketch has become, to be seen where nothing better is, and leaves the film empty.
+    /// Keeps the coarse preview, to be shown where pixels have no samples, and empties the film.
     pub(crate) fn finish_coarse_preview(&mut self, stride: u32) {
         self.coarse_preview =
             Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
@@ -133,8 +133,8 @@ impl Film {
         pixels.iter().map(|&pixel| self.sums[pixel as usize]).collect()
     }
 
-    /// Some pixels, one somewhere in each of `count` equal parts of the picture, in the order in which they are sampled; other sets
-    /// are other pixels.
+    /// Returns random pixels, one in each of `count` equal parts of the picture, in the order in which they are sampled. Other numbers
+    /// of a `set` give other pixels.
     pub(crate) fn draw(&self, seed: u64, set: u32, count: u64) -> Vec<u32> {
         let all = self.pixel_count();
         let count = count.min(all);
@@ -152,7 +152,7 @@ impl Film {
         self.pass.end.unwrap_or(self.pass_pixels() * self.pass.samples_per_pixel())
     }
 
-    /// Samples that are taken together: all that the pass has of some pixels.
+    /// Samples of a wave: all that the pass has of as many pixels as fit in.
     pub(crate) fn samples_per_wave(&self) -> u64 {
         WAVE - WAVE % self.pass.samples_per_pixel().clamp(1, WAVE)
     }
@@ -162,7 +162,7 @@ impl Film {
         self.sums.len() as u64
     }
 
-    /// How many samples of the pass have all their light.
+    /// How many samples of the pass have all their light on the film.
     pub(crate) fn done(&self) -> u64 {
         self.pass.done
     }
@@ -172,7 +172,7 @@ impl Film {
         self.pass.done += samples;
     }
 
-    /// How many samples every pixel has, those on outlines before they were sampled anew.
+    /// How many samples every pixel has; on emitter edges, how many it had before it was sampled anew.
     pub(crate) fn whole_passes(&self) -> u32 {
         match &self.emitter_edges {
             Some(outlines) => outlines.spp,
@@ -181,7 +181,7 @@ impl Film {
         }
     }
 
-    /// Whether the picture could end here: every pixel has a sample, and none waits to be sampled anew.
+    /// Whether the time limit may end the picture here: every pixel has a sample, and none is being sampled anew.
     pub(crate) fn may_end(&self) -> bool {
         self.pass.pixels.is_none() && self.pass.indices.start > 0
     }

@@ -3,15 +3,15 @@
 use glam::Vec3;
 
 use super::Film;
-use super::outlines::EmitterEdges;
+use super::emitter_edges::EmitterEdges;
 use crate::{Image, Layer};
 
 impl Film {
-    /// What there is so far: the mean over the samples that each pixel has; where it has none, the sketch; where there is
-    /// none either, black. `None` while a sketch is being made.
+    /// Returns the picture so far: the mean over the samples that each pixel has; where it has none, the coarse preview; where there is
+    /// none either, black. `None` while a coarse preview is being made.
     pub(crate) fn picture(&self) -> Option<Image> {
         let pixels = match (&self.pass.pixels, &self.emitter_edges) {
-            (Some(list), Some(outlines)) => self.with_emitter_edges(list, outlines),
+            (Some(list), Some(edges)) => self.with_emitter_edges(list, edges),
             (Some(_), None) => return None,
             (None, _) => {
                 let mut pixels = vec![Vec3::ZERO; self.sums.len()];
@@ -29,7 +29,7 @@ impl Film {
         Some(Image { width: self.order.width, height: self.order.height, pixels })
     }
 
-    /// All pixels, which are done; those on the outlines as they were before where they are not done anew.
+    /// Returns the finished pixels; those on emitter edges as they were before, unless they have been sampled anew.
     fn with_emitter_edges(&self, list: &[u32], edges: &EmitterEdges) -> Vec<Vec3> {
         let scale = 1.0 / edges.spp as f32;
         let mut pixels: Vec<Vec3> = self.sums.iter().map(|&sum| sum * scale).collect();
@@ -50,24 +50,24 @@ impl Film {
             .map_or(Vec3::ZERO, |s| s.color_at(pixel % self.order.width, pixel / self.order.width))
     }
 
-    /// The mean over each pixel's samples, and the layers.
+    /// Returns the mean over each pixel's samples, and the layers.
     pub(crate) fn into_image(self) -> (Image, Vec<Layer>) {
-        let Self { order, pass, emitter_edges: outlines, sums: mut pixels, mut layers, .. } = self;
+        let Self { order, pass, emitter_edges, sums: mut pixels, mut layers, .. } = self;
         let all = pixels.len() as u64;
-        if let (Some(list), Some(outlines)) = (&pass.pixels, &outlines) {
-            // The others are divided by `spp` below, and so are these.
-            let factor = outlines.spp as f32 / pass.indices.end as f32;
+        if let (Some(list), Some(edges)) = (&pass.pixels, &emitter_edges) {
+            // All pixels are divided by `spp` below: scale those that have another number of samples.
+            let factor = edges.spp as f32 / pass.indices.end as f32;
             list.iter().for_each(|&pixel| pixels[pixel as usize] *= factor);
             layers.scale(list.iter().copied(), factor);
         }
-        let whole = outlines.map(|outlines| outlines.spp).or((pass.left(all) == 0).then_some(pass.indices.end));
+        let whole = emitter_edges.map(|edges| edges.spp).or((pass.left(all) == 0).then_some(pass.indices.end));
         match whole {
             Some(samples) => {
                 let scale = 1.0 / samples as f32;
                 pixels.iter_mut().for_each(|pixel| *pixel *= scale);
                 layers.scale(0..all as u32, scale);
             }
-            // Some pixels have one pass more than others.
+            // The time was up in the middle of a pass: some pixels have more samples than others.
             None => {
                 for (numbers, samples) in pass.counts(all) {
                     let scale = 1.0 / samples as f32;

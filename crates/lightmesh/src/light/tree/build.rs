@@ -1,4 +1,4 @@
-//! Building the trees: halves of the widest extent, from the top down.
+//! Building the trees from the top down: each node is split at the middle of its widest extent.
 
 use glam::Vec3;
 
@@ -19,7 +19,7 @@ impl Leaf {
         self.light.intensity.element_sum()
     }
 
-    /// Which way it shines; zero for even ones and directions, whose place says it.
+    /// Which way it shines; zero for isotropic and directional lights.
     pub(super) fn axis(&self) -> Vec3 {
         match self.light.emission {
             LightEmission::Isotropic | LightEmission::Directional => Vec3::ZERO,
@@ -38,7 +38,7 @@ impl Leaf {
         }
     }
 
-    /// With a normal of the upper hemisphere where both sides shine: patches that are one behind the other are alike.
+    /// Turns a patch whose both sides shine to have its normal in the upper hemisphere: patches of opposite normals are alike.
     fn upright(mut self) -> Self {
         if let LightEmission::Patch { normal, back, .. } = &mut self.light.emission
             && *back != 0.0
@@ -53,7 +53,8 @@ impl Leaf {
 impl LightTree {
     /// The trees over all samples.
     pub(crate) fn new(samples: &LightSamples) -> Self {
-        let leaf = |lane| samples.sample(lane).map(|luminaire| Leaf { light: luminaire, lane: lane as u32 }.upright());
+        // Sort the lights by kind.
+        let leaf = |lane| samples.sample(lane).map(|light| Leaf { light, lane: lane as u32 }.upright());
         let mut leaves: Vec<Leaf> = (0..samples.lanes()).filter_map(leaf).collect();
         leaves.sort_by_key(Leaf::kind);
         let mut tree = Self {
@@ -66,17 +67,19 @@ impl LightTree {
             lanes: Vec::new(),
             sums: Vec::new(),
         };
+        // Build a tree for each kind.
         let mut first = 0;
-        for of_kind in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
-            let (root, kind) = (tree.nodes.len() as u32, of_kind[0].kind());
+        for kind_leaves in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
+            let (root, kind) = (tree.nodes.len() as u32, kind_leaves[0].kind());
             tree.roots.push(root);
             if kind == Kind::Directional {
                 tree.first_direction = root;
             }
-            tree.add(kind, of_kind, first);
-            tree.grow(of_kind, first);
-            first += of_kind.len();
+            tree.add(kind, kind_leaves, first);
+            tree.grow(kind_leaves, first);
+            first += kind_leaves.len();
         }
+        // Sum the strengths in the order of the leaves, to choose lights by.
         let mut sum = 0.0;
         for leaf in &leaves {
             sum += f64::from(leaf.strength());
@@ -119,16 +122,17 @@ impl LightTree {
     }
 }
 
-/// Divides leaves at the middle of their widest extent, in place and in order, and returns how many come first. Axes count too, as in
-/// Lightcuts (section 3.3): a right angle between them as much as half of the box's diagonal; empirical, as the paper's.
+/// Partitions leaves at the middle of their widest extent, in place and in order, and returns how many are in the first part. Axes count
+/// too, as in Lightcuts (section 3.3): a right angle between them as much as half of the box's diagonal; empirical, as the paper's.
 fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
+    // Find the widest extent, of positions or of axes.
     let range = |of: fn(&Leaf) -> Vec3| {
         let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         leaves.iter().fold(start, |(min, max), leaf| (min.min(of(leaf)), max.max(of(leaf))))
     };
-    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.light.position;
-    let (min, max) = range(place);
-    let mut widest = (place, min, max);
+    let position: fn(&Leaf) -> Vec3 = |leaf| leaf.light.position;
+    let (min, max) = range(position);
+    let mut widest = (position, min, max);
     if !matches!(kind, Kind::Isotropic | Kind::Directional) {
         let axes = range(Leaf::axis);
         if (axes.1 - axes.0).max_element() * 0.5 * (max - min).length() > (max - min).max_element() {
@@ -145,7 +149,7 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         2
     };
     let middle = 0.5 * (min[axis] + max[axis]);
-    // Partition in order.
+    // Partition at its middle, in order.
     scratch.clear();
     let mut left = 0;
     for i in 0..leaves.len() {
@@ -157,6 +161,6 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         }
     }
     leaves[left..].copy_from_slice(scratch);
-    // All in one place: any halves are as good.
+    // All are at one position: any halves are as good.
     if left == 0 || left == leaves.len() { leaves.len() / 2 } else { left }
 }

@@ -1,4 +1,4 @@
-//! The outlines of lamps: pixels that are sampled anew, more finely.
+//! Emitter edges: pixels on the outline of an emitter, which are sampled anew with more samples.
 
 use glam::Vec3;
 
@@ -7,16 +7,16 @@ use super::pass::Pass;
 use super::{Film, cells_of_pixel};
 use crate::sampling::film_samples;
 
-/// Bits of what the samples of a pixel saw: something that shines, something else.
+/// Bits of a pixel: one of its samples saw an emitter, one saw something else.
 const SAW_EMITTER: u8 = 1;
 const SAW_OTHER: u8 = 2;
 
-/// Samples of a pixel on the outline of a lamp. Lamps are tens to thousands of times as bright as what is beside them: four samples
-/// leave steps that no tone map hides. Measured on the Cornell box with its lamp in view, four samples elsewhere: error of
-/// the lamp's rows 6.3% of the picture's mean (clamped at 8 times it), with these 1.0%.
+/// Samples of a pixel on an emitter edge. Emitters are tens to thousands of times as bright as what is beside them: four samples
+/// leave steps that no tone map hides. Measured on the Cornell box with its lamp in view, four samples elsewhere: the error of
+/// the lamp's rows is 6.3% of the picture's mean (clamped at 8 times it) without them and 1.0% with them.
 const EDGE_SAMPLES: u32 = 64;
 
-/// What the pixels that are sampled anew had before.
+/// The samples that the pixels on emitter edges had before they are sampled anew.
 #[derive(Debug)]
 pub(super) struct EmitterEdges {
     /// Samples of every other pixel, and of these before.
@@ -26,21 +26,21 @@ pub(super) struct EmitterEdges {
 }
 
 impl Film {
-    /// Begins to remember which pixels see lamps.
+    /// Begins to record which pixels see emitters.
     pub(crate) fn watch_emitters(&mut self) {
         self.seen = vec![0; self.sums.len()];
     }
 
-    /// Remembers whether a sample saw something that shines.
+    /// Records that a sample saw an emitter, or something else.
     pub(crate) fn mark_seen(&mut self, pixel: u32, is_emitter: bool) {
         if let Some(seen) = self.seen.get_mut(pixel as usize) {
             *seen |= if is_emitter { SAW_EMITTER } else { SAW_OTHER };
         }
     }
 
-    /// Turns to the pixels on the outlines of lamps: those that have both a lamp and something else within a pixel. They are
-    /// cleared; the film's samples are now theirs, 64 each, or fewer where that were more than `most` in all or than the
-    /// whole picture had. False if there is nothing to do: no outline, or samples enough, or one at each pixel's centre.
+    /// Begins a pass over the pixels on emitter edges: those that have both an emitter and something else within a pixel. Their sums
+    /// are cleared. Each gets 64 samples, or fewer where that were more than `most` in all, or more than the whole picture had.
+    /// Returns false if there is nothing to do: no such pixel, or enough samples, or a single one at each pixel's centre.
     pub(crate) fn begin_emitter_edges(&mut self, most: u64) -> bool {
         let spp = self.offsets.len();
         if spp < 2 || self.seen.is_empty() {
@@ -63,7 +63,7 @@ impl Film {
     }
 }
 
-/// The pixels around which both a lamp and something else was seen, ascending.
+/// Returns the pixels around which both an emitter and something else was seen, ascending.
 fn edge_pixels(order: TileOrder, seen: &[u8]) -> Vec<u32> {
     let (width, height) = (order.width as usize, order.height as usize);
     let is_edge = |&pixel: &u32| {
