@@ -100,7 +100,7 @@ impl<S: Simd> BoxRay<S> {
         }
     }
 
-    /// Where the ray enters each child's box, and a bit mask of the children it meets before `t_max`.
+    /// Returns where the ray enters each child's box, and a bit mask of the children that it meets before `t_max`.
     #[inline(always)]
     fn enter(&self, simd: S, node: &Node, t_max: f32x8<S>) -> (f32x8<S>, u32) {
         let slab = |axis: usize| {
@@ -164,12 +164,12 @@ pub(super) fn traverse<S: Simd, O: Order>(
                     mask &= mask - 1;
                     let pushed = nearest.max(other);
                     nearest = nearest.min(other);
-                    let mut at = depth;
-                    while at > base && stack[at - 1] < pushed {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
+                    let mut slot = depth;
+                    while slot > base && stack[slot - 1] < pushed {
+                        stack[slot] = stack[slot - 1];
+                        slot -= 1;
                     }
-                    stack[at] = pushed;
+                    stack[slot] = pushed;
                     depth += 1;
                 }
                 current = nearest as u32;
@@ -181,6 +181,7 @@ pub(super) fn traverse<S: Simd, O: Order>(
                 }
             }
         };
+        // Visit the leaf, which may shorten the ray.
         if found {
             if leaf(ChildRef(current), t_max) {
                 return true;

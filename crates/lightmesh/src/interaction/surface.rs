@@ -248,7 +248,7 @@ fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Surface
     let image = &scene.data().images[texture.image];
     let (uv, footprint) = (r.transform.apply(place.uvs[r.uv_set]), place.footprints[r.uv_set]);
     let footprint = footprint.transformed(&r.transform);
-    texture.sample_over(image, || scene.mipmap(texture.image), (uv, footprint), ColorEncoding::Srgb)
+    texture.sample_over(image, || scene.mipmap(texture.image), uv, footprint, ColorEncoding::Srgb)
 }
 
 /// A texture of numbers, at a point.

@@ -1,4 +1,4 @@
-//! One light sample outside its block, and blocks filled from such, one after the other.
+//! A light sample outside its block, and the packing of blocks from such samples.
 
 use std::f32::consts::FRAC_1_PI;
 

@@ -120,7 +120,7 @@ impl LightSamples {
         self.count
     }
 
-    /// Lanes of all blocks, those that pad the last ones included: the length of per-lane arrays.
+    /// How many lanes all blocks have, with those that pad the last block of each kind: the length of per-lane arrays.
     pub(crate) fn lanes(&self) -> usize {
         self.blocks.len() * LANES
     }
@@ -147,7 +147,7 @@ impl LightSamples {
         (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }
 
-    /// Unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of formula (2).
+    /// Sums the unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of formula (2).
     pub(crate) fn irradiance(
         &self,
         level: Level,
@@ -160,7 +160,7 @@ impl LightSamples {
         dispatch!(level, simd => irradiance_simd(simd, self, falloff, points, out));
     }
 
-    /// d and f of every lane as seen from a point.
+    /// Evaluates d and f of every lane at a point.
     pub(crate) fn directions(&self, level: Level, falloff: Falloff, point: Vec3, out: &mut Directions) {
         let n = self.lanes();
         for array in [&mut out.dx, &mut out.dy, &mut out.dz, &mut out.f] {
@@ -254,25 +254,26 @@ pub(super) fn for_each_block<S: Simd>(
 /// d and f of plain point lights.
 #[inline(always)]
 fn plain_lanes<S: Simd>(simd: S, block: &LightBlock, falloff: Falloff, p: Vec3) -> Lanes<S> {
-    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let [dx, dy, dz] = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     Lanes { dx, dy, dz, f: falloff.attenuation_over_distance_simd(r2, r2.sqrt()) }
 }
 
+/// Returns d of each lane: of positions, `w` 1, or directions, `w` 0.
 #[inline(always)]
-fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
-    (
+fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> [f32x16<S>; 3] {
+    [
         f32x16::from_slice(simd, &block.x) - w * p.x,
         f32x16::from_slice(simd, &block.y) - w * p.y,
         f32x16::from_slice(simd, &block.z) - w * p.z,
-    )
+    ]
 }
 
 /// d and f of patches.
 #[inline(always)]
 fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
-    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let [dx, dy, dz] = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
     let ahead = -(dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;
@@ -293,7 +294,7 @@ fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &SpotLanes, falloff: 
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
     let w = load(&lanes.w);
-    let (dx, dy, dz) = offset(simd, block, p, w);
+    let [dx, dy, dz] = offset(simd, block, p, w);
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
     let cos = (dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;

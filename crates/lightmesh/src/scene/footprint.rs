@@ -3,14 +3,14 @@
 use glam::{Vec2, Vec4};
 
 use super::mipmap::Mipmap;
-use super::texture::{ColorEncoding, Filter, ImageData, Texture, UvTransform, wrap_to_period};
+use super::texture::{ColorEncoding, Filter, ImageData, LookupRow, Texture, UvTransform, wrap_to_period};
 
-/// What a sample covers of a texture: the parallelogram of two vectors about a place beside the one that it hits.
+/// The part of a texture that a sample covers: the parallelogram of two vectors about a point beside the one that it hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Footprint {
     /// Its sides, in texture coordinates.
     pub sides: [Vec2; 2],
-    /// Where its middle is beside the place that was hit, in texture coordinates.
+    /// From the point that was hit to its middle, in texture coordinates.
     pub offset: Vec2,
 }
 
@@ -19,7 +19,7 @@ pub(crate) struct Footprint {
 const MOST_TAPS: f32 = 16.0;
 
 impl Footprint {
-    /// A single place.
+    /// A single point.
     pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], offset: Vec2::ZERO };
 
     /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third barycentric coordinates.
@@ -34,7 +34,8 @@ impl Footprint {
         Self { sides: self.sides.map(|side| transform.matrix * side), offset: transform.matrix * self.offset }
     }
 
-    /// The row of lookups that replaces it on an image, or `None` if it is no longer than a texel: the image is magnified.
+    /// Returns the row of lookups that replaces the footprint on an image, or `None` if it is no longer than a texel: the image is
+    /// magnified.
     ///
     /// A parallelogram of sides a and b spreads its light as the ellipse does whose axes are the eigenvectors of aaᵀ + bbᵀ, the roots of
     /// its eigenvalues their lengths (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 3.5).
@@ -45,7 +46,7 @@ impl Footprint {
         let apart = 0.5 * (xx - yy);
         let root = (apart * apart + xy * xy).sqrt();
         let major2 = 0.5 * (xx + yy) + root;
-        // Also where numbers ran over: nothing is known then.
+        // Not after an overflow either: the footprint is unknown then.
         if !(major2 > 1.0 && major2 < f32::INFINITY) {
             return None;
         }
@@ -69,7 +70,7 @@ struct Taps {
     /// The longer axis, in texels.
     major: Vec2,
     count: u32,
-    /// The finer of two levels of the pyramid, and the part of the coarser one.
+    /// The finer of two levels of the mipmap, and the part of the coarser one.
     level: usize,
     above: f32,
 }
@@ -88,13 +89,14 @@ fn level_of(width2: f32) -> (usize, f32) {
 }
 
 impl Texture {
-    /// The mean linear RGBA over `footprint` about `uv`; `pyramid` is called if the image is minified. It is
-    /// [`Texture::sample`], bit for bit, where it is not, and always for [`Filter::Nearest`], whose texels are meant to be seen.
+    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. The result is that of
+    /// [`Texture::sample`], bit for bit, where the image is not minified, and always for [`Filter::Nearest`], whose texels are meant to be seen.
     pub(crate) fn sample_over<'a>(
         &self,
         image: &'a ImageData,
-        mipmap_of_image: impl FnOnce() -> &'a Mipmap,
-        (uv, footprint): (Vec2, Footprint),
+        mipmap: impl FnOnce() -> &'a Mipmap,
+        uv: Vec2,
+        footprint: Footprint,
         decode: ColorEncoding,
     ) -> Vec4 {
         let taps = match self.filter {
@@ -108,18 +110,19 @@ impl Texture {
         let middle = Vec2::new(wrap_to_period(self.wrap_s, middle.x), wrap_to_period(self.wrap_t, middle.y));
         let along = |image: &ImageData, count: u32| {
             let step = major / count as f32;
-            self.sample_row(image, (middle - step * (0.5 * (count - 1) as f32), step), count, decode)
+            let row = LookupRow { first: middle - step * (0.5 * (count - 1) as f32), step, count };
+            self.sample_row(image, row, decode)
         };
         if taps.level == 0 && taps.above == 0.0 {
             return along(image, taps.count);
         }
-        let pyramid = mipmap_of_image();
-        let fine = along(pyramid.level(image, taps.level), taps.count);
+        let mipmap = mipmap();
+        let fine = along(mipmap.level(image, taps.level), taps.count);
         if taps.above == 0.0 {
             return fine;
         }
         // The coarser level is twice as wide, and half as many cover the footprint.
-        fine.lerp(along(pyramid.level(image, taps.level + 1), taps.count.div_ceil(2)), taps.above)
+        fine.lerp(along(mipmap.level(image, taps.level + 1), taps.count.div_ceil(2)), taps.above)
     }
 }
 
@@ -139,8 +142,8 @@ mod tests {
     }
 
     fn over(texture: &Texture, image: &ImageData, uv: Vec2, sides: [Vec2; 2]) -> f32 {
-        let pyramid = Mipmap::new(image);
-        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, offset: Vec2::ZERO }), ColorEncoding::Linear).x
+        let mipmap = Mipmap::new(image);
+        texture.sample_over(image, || &mipmap, uv, Footprint { sides, offset: Vec2::ZERO }, ColorEncoding::Linear).x
     }
 
     /// A checkerboard of single texels is grey from afar, wherever it is looked at and however it is turned.
@@ -155,7 +158,7 @@ mod tests {
         }
     }
 
-    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no pyramid is asked for.
+    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no mipmap is needed.
     #[test]
     fn magnified_lookups_are_unchanged() {
         let picture = image(17, 9, |x, y| ((7 * x + 3 * y) % 5) as f32);
@@ -166,9 +169,9 @@ mod tests {
                 let texel = Vec2::new(1.0 / 17.0, 1.0 / 9.0);
                 let angle = Vec2::from_angle(i as f32);
                 let sides = [angle * texel * 0.999, angle.perp() * texel * 0.999];
-                let footprint = (uv, Footprint { sides, offset: Vec2::ONE });
+                let footprint = Footprint { sides, offset: Vec2::ONE };
                 let value =
-                    texture.sample_over(&picture, || unreachable!("no pyramid"), footprint, ColorEncoding::Linear);
+                    texture.sample_over(&picture, || unreachable!("no mipmap"), uv, footprint, ColorEncoding::Linear);
                 assert_eq!(value, texture.sample(&picture, uv, ColorEncoding::Linear));
             }
         }
@@ -203,7 +206,7 @@ mod tests {
         }
     }
 
-    /// 4ˡ = (2 + w²) / 3 at and between whole levels: the mix of variances is the one that is asked for.
+    /// 4ˡ = (2 + w²) / 3 at and between whole levels: the mix of variances is the wanted one.
     #[test]
     fn levels_mix_to_the_width() {
         assert_eq!(level_of(1.0), (0, 0.0));

@@ -109,22 +109,26 @@ pub struct TextureRef {
     pub transform: UvTransform,
 }
 
+/// Lookups at equal distances.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LookupRow {
+    /// Texture coordinates of the first.
+    pub first: Vec2,
+    /// From each to the next.
+    pub step: Vec2,
+    /// How many they are, at least 1.
+    pub count: u32,
+}
+
 impl Texture {
     /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
     pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: ColorEncoding) -> Vec4 {
-        self.sample_row(image, (uv, Vec2::ZERO), 1, decode)
+        self.sample_row(image, LookupRow { first: uv, step: Vec2::ZERO, count: 1 }, decode)
     }
 
-    /// The mean of `count` lookups, > 0, the first of them at `first`, each a `step` after the one before.
-    pub(super) fn sample_row(
-        &self,
-        image: &ImageData,
-        (first, step): (Vec2, Vec2),
-        count: u32,
-        decode: ColorEncoding,
-    ) -> Vec4 {
+    /// Returns the mean of a row of lookups.
+    pub(super) fn sample_row(&self, image: &ImageData, row: LookupRow, decode: ColorEncoding) -> Vec4 {
         // One loop body for each way to store texels: many lookups make a picture.
-        let row = ((first, step), count);
         match (&image.texels, decode) {
             (Texels::Rgba32F(t), _) => self.mean(image, row, t, |t| Vec4::from_array(*t)),
             (Texels::Rgba8(t), ColorEncoding::Linear) => self.mean(image, row, t, |t| linear_from_bytes(*t)),
@@ -136,13 +140,8 @@ impl Texture {
     }
 
     #[inline(always)]
-    fn mean<T>(
-        &self,
-        image: &ImageData,
-        ((first, step), count): ((Vec2, Vec2), u32),
-        texels: &[T],
-        decode: impl Fn(&T) -> Vec4,
-    ) -> Vec4 {
+    fn mean<T>(&self, image: &ImageData, row: LookupRow, texels: &[T], decode: impl Fn(&T) -> Vec4) -> Vec4 {
+        let LookupRow { first, step, count } = row;
         let scale = 1.0 / count as f32;
         if self.filter == Filter::Bilinear {
             let size = Vec2::new(image.width as f32, image.height as f32);
@@ -180,7 +179,7 @@ impl Texture {
     }
 }
 
-/// The four texels about a place in an image's inside, in texels from the centre of the first one.
+/// The four texels about a position in an image's inside, in texels from the centre of the first one.
 #[inline(always)]
 fn inside<T>(texels: &[T], width: usize, at: Vec2, decode: impl Fn(&T) -> Vec4) -> Vec4 {
     let (i, j) = (at.x as u32, at.y as u32);

@@ -1,5 +1,4 @@
-//! Area lights: which surfaces they are, points on them in proportion to the light that leaves there, and the patches that
-//! stand for them.
+//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the patches that represent them.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -11,8 +10,9 @@ use super::{LightSample, Patch, luminance, radical_inverse};
 use crate::bvh::Target;
 use crate::scene::{Material, SceneData};
 
-/// Emitters whose mean luminance is at most this many times that of the scene's walls, were all light reflected once by white
-/// ones, are gathered: as bright as a well-lit wall. A box that glows all over has 1; the bound is a choice, not measured.
+/// An emitter is weak if its mean luminance is at most this many times that of the scene's walls, if these were white and reflected all
+/// light once. It is then about as bright as a well-lit wall, and gather rays find its light. A box that glows all over has 1; the bound
+/// is a choice, not measured.
 const WEAK_TIMES_WALL: f64 = 4.0;
 
 /// All emissive meshes and spheres.
@@ -20,14 +20,23 @@ const WEAK_TIMES_WALL: f64 = 4.0;
 pub(crate) struct AreaLights {
     lights: Vec<AreaLight>,
     primitives: Vec<EmissivePrimitive>,
-    /// Luminous flux of all elements up to and with each, in units of the whole: ends with 1.
+    /// Luminous flux of all primitives up to and with each, in units of the whole: ends with 1.
     cdf: Vec<f64>,
-    /// The light of each instance and sphere; `NONE` for those that do not shine.
+    /// The index of the light of each instance and sphere; `NONE` for those that do not shine.
     light_of_instance: Vec<u32>,
     light_of_sphere: Vec<u32>,
 }
 
 const NONE: u32 = u32::MAX;
+
+/// How an emitter's light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EmitterClass {
+    /// By shadow rays to its samples.
+    Sampled,
+    /// By gather rays that hit it.
+    Weak,
+}
 
 #[derive(Clone, Debug)]
 struct AreaLight {
@@ -36,7 +45,7 @@ struct AreaLight {
     is_weak: bool,
 }
 
-/// A point on an area light, chosen at random.
+/// A random point on an area light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AreaPoint {
     /// Metres.
@@ -60,6 +69,7 @@ impl AreaLights {
             ..Self::default()
         };
         let shines = |m: &Material| m.emission != Vec3::ZERO && !m.unlit;
+        // An emissive mesh is one light for each of its instances.
         for (i, instance) in data.instances.iter().enumerate() {
             let mesh = &data.meshes[instance.mesh];
             if !shines(&data.materials[mesh.material]) {
@@ -92,8 +102,9 @@ impl AreaLights {
         self.lights.len() as u32 - 1
     }
 
-    /// Sums the flux and finds out who is gathered.
+    /// Sums the flux, and finds out which lights are weak.
     fn measure(&mut self, data: &SceneData, other_flux: f64) {
+        // Sum the flux of the primitives, and average each light's luminance.
         let mut sum = 0.0;
         let mut means = Vec::new();
         for light in &self.lights {
@@ -110,6 +121,7 @@ impl AreaLights {
         if self.lights.is_empty() {
             return;
         }
+        // Compare each light with the scene's walls.
         let two_sided = |light: &AreaLight| data.materials[light.material].double_sided;
         let flux: f64 = self
             .lights
@@ -128,6 +140,7 @@ impl AreaLights {
         for (light, mean) in self.lights.iter_mut().zip(means) {
             light.is_weak = mean <= WEAK_TIMES_WALL * wall;
         }
+        // Normalize the sums.
         if sum > 0.0 {
             self.cdf.iter_mut().for_each(|c| *c /= sum);
         }
@@ -138,17 +151,17 @@ impl AreaLights {
         self.lights.len()
     }
 
-    /// Whether there is none that shines.
+    /// Whether no light shines.
     pub(crate) fn is_dark(&self) -> bool {
         self.cdf.last().is_none_or(|&sum| sum <= 0.0)
     }
 
-    /// Whether any of them is left to gather rays.
-    pub(crate) fn has_unsampled(&self) -> bool {
+    /// Whether any light is weak, and so left to gather rays.
+    pub(crate) fn has_weak(&self) -> bool {
         self.lights.iter().any(|light| light.is_weak)
     }
 
-    /// The light whose surface this is.
+    /// Returns the light that a surface belongs to.
     fn light_of(&self, target: Target) -> Option<&AreaLight> {
         let index = match target {
             Target::Triangle { instance, .. } => self.light_of_instance[instance as usize],
@@ -163,13 +176,13 @@ impl AreaLights {
         self.light_of(target).is_some_and(|light| !light.is_weak)
     }
 
-    /// The patches of the lights for which `wanted(gathered)` holds: `n` each, stratified along their elements.
-    pub(super) fn samples(&self, data: &SceneData, n: u32, wanted: impl Fn(bool) -> bool) -> Vec<LightSample> {
-        let lights = self.lights.iter().filter(|light| wanted(light.is_weak));
+    /// Returns the patches of one class of lights: `n` each, stratified along their primitives.
+    pub(super) fn samples(&self, data: &SceneData, n: u32, class: EmitterClass) -> Vec<LightSample> {
+        let lights = self.lights.iter().filter(|light| light.is_weak == (class == EmitterClass::Weak));
         lights.flat_map(|light| (0..n).filter_map(|i| self.patch(data, light, i, n))).collect()
     }
 
-    /// The i-th of n patches: a Hammersley point of (flux along the elements, radical inverse).
+    /// Returns the i-th of n patches: a Hammersley point of (flux along the primitives, radical inverse).
     fn patch(&self, data: &SceneData, light: &AreaLight, i: u32, n: u32) -> Option<LightSample> {
         let Range { start, end } = light.primitives;
         let before = if start > 0 { self.cdf[start - 1] } else { 0.0 };
@@ -190,7 +203,7 @@ impl AreaLights {
         (patch.intensity_cd != Vec3::ZERO).then_some(LightSample::Patch(patch))
     }
 
-    /// The point at which the flux, counted from the first element of all, reaches `u`; `v` is its other coordinate.
+    /// Returns the point at which the flux, summed from the first primitive of all, reaches `u`; `v` is its other coordinate.
     fn point_at(&self, data: &SceneData, range: Range<usize>, u: f64, v: f32) -> Option<AreaPoint> {
         let index = range.start + self.cdf[range.clone()].partition_point(|&c| c <= u);
         let primitive = self.primitives.get(index).filter(|_| index < range.end)?;
@@ -209,7 +222,7 @@ impl AreaLights {
         })
     }
 
-    /// A point on any of the lights, from u in [0, 1)²; `None` where nothing shines.
+    /// Samples a point on any of the lights by u in [0, 1)²; `None` if nothing shines.
     pub(crate) fn sample(&self, data: &SceneData, u: Vec2) -> Option<AreaPoint> {
         if self.is_dark() {
             return None;
@@ -217,7 +230,7 @@ impl AreaLights {
         self.point_at(data, 0..self.primitives.len(), f64::from(u.x), u.y)
     }
 
-    /// The density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are no lights.
+    /// Returns the density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are no lights.
     pub(crate) fn pdf(&self, data: &SceneData, target: Target) -> f32 {
         let Some(light) = self.light_of(target) else { return 0.0 };
         let index = match target {
@@ -230,13 +243,13 @@ impl AreaLights {
     }
 }
 
-/// The area of all surfaces but user-defined ones, m².
+/// Returns the area of all surfaces but user-defined ones, m².
 fn surface_area(data: &SceneData) -> f64 {
     let triangles = data.instances.iter().flat_map(|instance| {
         let mesh = &data.meshes[instance.mesh];
-        let place = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
+        let world_position = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
         mesh.triangles.iter().map(move |t| {
-            let [a, b, c] = t.map(place);
+            let [a, b, c] = t.map(world_position);
             f64::from(0.5 * (b - a).cross(c - a).length())
         })
     });
@@ -255,8 +268,8 @@ mod tests {
     use crate::scene::Instance;
 
     /// Two triangles of 1 and 3 m², a sphere, brightness 1 and 2.
-    fn lamps() -> (SceneData, AreaLights) {
-        let lamp = |e: f32| Material { emission: Vec3::splat(e), ..Material::default() };
+    fn emitters() -> (SceneData, AreaLights) {
+        let emissive = |e: f32| Material { emission: Vec3::splat(e), ..Material::default() };
         let mesh = TriangleMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y * 2.0, Vec3::X * 4.0],
             triangles: vec![[0, 1, 2], [1, 3, 2]],
@@ -266,18 +279,17 @@ mod tests {
             meshes: vec![mesh],
             instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
             spheres: vec![Sphere { center: Vec3::new(0.0, 0.0, 9.0), radius: 0.5, material: 1 }],
-            materials: vec![lamp(1.0), lamp(2.0)],
+            materials: vec![emissive(1.0), emissive(2.0)],
             ..SceneData::default()
         };
         let lights = AreaLights::new(&data, 0.0);
         (data, lights)
     }
 
-    /// Flux per primitive 1 : 3 : 2π. The density of a sample is that of its surface,
-    /// flux share over area.
+    /// Flux per primitive 1 : 3 : 2π. The density of a sample is that of its surface, flux share over area.
     #[test]
     fn points_come_in_proportion_to_the_light_that_leaves_there() {
-        let (data, lights) = lamps();
+        let (data, lights) = emitters();
         let targets = [
             Target::Triangle { instance: 0, triangle: 0 },
             Target::Triangle { instance: 0, triangle: 1 },
