@@ -41,7 +41,7 @@ impl Ray {
 /// 16.9 / 2.5%, 2⁻²⁰ 1.9 / 3.5 / 0.3%, 2⁻¹⁷ 0.7 / 2.2 / 0.3%, 2⁻¹⁴ 0.5 / 1.5 / 0.25%.
 const OFFSET: f32 = 1.0 / 16_384.0;
 
-/// Where a ray along `direction` leaves a surface: the point, moved a little to the side of the geometric `normal` (unit)
+/// Returns where a ray along `direction` leaves a surface: the point, moved a little to the side of the geometric `normal` (unit)
 /// on which the ray goes, so that it does not hit the surface itself. The step is 2⁻¹⁴ of the point's largest coordinate
 /// plus a 64th of `extent`, the largest coordinate (metres) of the object that was hit.
 pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32, direction: Vec3) -> Vec3 {

@@ -318,7 +318,7 @@ impl<'a> PathTracer<'a> {
     /// Adds the mean of [`SPLITS`] paths that leave the first diffuse surface with this throughput.
     fn split(&mut self, vertex: &ShadingPoint, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..SPLITS {
-            let mut sampler = sampler.branch(branch, SPLITS);
+            let mut sampler = sampler.split(branch, SPLITS);
             let (ray, pdf) = self.bounce(vertex, &mut sampler);
             self.rays.gather += 1;
             let arrival = RayOrigin::Bsdf { pdf };

@@ -61,7 +61,7 @@ impl Section {
         let meet = |beside: Vec3| beside - along_d * beside.dot(n);
         let width = cone.width_at(distance);
         let (x, y) = d.any_orthonormal_pair();
-        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.aside * width) }
+        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.offset * width) }
     }
 
     /// In the coordinates that grow like this.
@@ -104,7 +104,7 @@ mod tests {
         for d in [Vec3::new(0.5, -0.7, 0.3), Vec3::new(0.9, -0.5, -0.1), -n, n] {
             let d = d.normalize();
             for aside in [d.any_orthonormal_vector(), d.cross(d.any_orthonormal_vector()) * 0.3] {
-                let cone = Cone { width: 0.01, spread: 0.02, aside };
+                let cone = Cone { width: 0.01, spread: 0.02, offset: aside };
                 let section = Section::new(d, n, cone, 2.0);
                 // The point 0.05 · aside beside the ray, moved along d into the plane.
                 let beside = aside * 0.05;

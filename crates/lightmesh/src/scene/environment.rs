@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use super::texture::{ImageData, Texels};
 use crate::Error;
 
-/// An environment: what rays see that leave the scene.
+/// An environment: the light of rays that leave the scene.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Environment {
@@ -24,7 +24,7 @@ pub struct Environment {
 pub struct EmitterOptions {
     /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1 to 65536.
     pub light_samples: u32,
-    /// Punctual lights become spheres of this radius (metres) and equal power; 0 leaves them points.
+    /// Punctual lights become sphere lights of this radius (metres) and equal power; 0 leaves them points.
     pub light_radius: f32,
 }
 
@@ -51,7 +51,7 @@ impl EmitterOptions {
     }
 }
 
-/// A soft white sky for scenes that say nothing of light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a
+/// Returns a soft white sky for scenes without light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a
 /// white surface that faces it gets the luminance of a lit room, 100 cd/m² on average.
 pub fn soft_environment() -> Environment {
     const ROWS: u32 = 32;

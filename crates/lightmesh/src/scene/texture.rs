@@ -28,7 +28,7 @@ pub struct ImageData {
     pub texels: Texels,
 }
 
-/// What happens outside [0, 1].
+/// How an image continues outside [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wrap {
@@ -37,7 +37,7 @@ pub enum Wrap {
     Repeat,
     /// Every other copy is mirrored.
     MirroredRepeat,
-    /// The border texel goes on.
+    /// The border texel continues.
     ClampToEdge,
 }
 
@@ -62,8 +62,8 @@ pub struct Texture {
     pub wrap_s: Wrap,
     /// Vertically.
     pub wrap_t: Wrap,
-    /// How texels are combined. Colours are averaged over what a camera sample covers of them where that is more than a texel, if it
-    /// is [`Filter::Bilinear`].
+    /// How texels are combined. With [`Filter::Bilinear`], colours are averaged over the footprint of a camera sample if it is larger than
+    /// a texel.
     pub filter: Filter,
 }
 
@@ -259,7 +259,7 @@ fn floor(x: f32) -> i32 {
     }
 }
 
-/// The coordinate in the first period of the wrap mode, or itself where there is none.
+/// Returns the coordinate in the first period of the wrap mode, or itself if the mode has none.
 pub(crate) fn wrap_to_period(mode: Wrap, u: f32) -> f32 {
     match mode {
         Wrap::Repeat => u - u.floor(),

@@ -1,4 +1,4 @@
-//! The one place where a scene description is checked: after it, every index is in range and every number is finite.
+//! Validation of scene descriptions. A checked one has every index in range and every number finite.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -10,7 +10,7 @@ use super::material::Material;
 use super::texture::{ImageData, Texels};
 use crate::Error;
 
-/// Checks all of `data`; mends what can be mended and returns one sentence for each mend.
+/// Checks all of `data`, and repairs what can be repaired. Returns one sentence for each repair.
 pub(crate) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     let mut warnings = Vec::new();
     check_images(data)?;
@@ -24,7 +24,7 @@ pub(crate) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     }
     data.environment.as_ref().map_or(Ok(()), check_environment)?;
     check_cameras(data)?;
-    mend_normals(data, &mut warnings);
+    repair_normals(data, &mut warnings);
     Ok(warnings)
 }
 
@@ -64,6 +64,7 @@ fn check_material(index: usize, m: &Material, textures: usize) -> Result<(), Err
             return invalid(object(), what);
         }
     }
+    // Check the factors' ranges.
     let factors = [m.alpha, m.metallic, m.roughness, m.specular, m.transmission];
     if !factors.iter().chain(&m.base_color.to_array()).all(|x| (0.0..=1.0).contains(x)) {
         return invalid(object(), "a factor is outside [0, 1]");
@@ -81,6 +82,7 @@ fn check_material(index: usize, m: &Material, textures: usize) -> Result<(), Err
 fn check_meshes(data: &SceneData) -> Result<(), Error> {
     for (index, mesh) in data.meshes.iter().enumerate() {
         let object = || format!("mesh {index} \"{}\"", mesh.name);
+        // Indices into the mesh and the scene.
         let n = mesh.positions.len();
         if mesh.material >= data.materials.len() {
             return invalid(object(), format!("material {} does not exist", mesh.material));
@@ -91,6 +93,7 @@ fn check_meshes(data: &SceneData) -> Result<(), Error> {
         if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= n) {
             return invalid(object(), format!("index {i} is out of range: the mesh has {n} positions"));
         }
+        // Attributes: as many as positions, and finite.
         let lengths =
             [mesh.normals.len(), mesh.tangents.len(), mesh.uvs[0].len(), mesh.uvs[1].len(), mesh.colors.len()];
         if lengths.iter().any(|&len| len != 0 && len != n) {
@@ -105,7 +108,9 @@ fn check_meshes(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
+/// Checks everything that is placed in the world: instances, spheres and shapes.
 fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<(), Error> {
+    // Check the instances' transforms.
     for (index, instance) in data.instances.iter().enumerate() {
         if instance.mesh >= data.meshes.len() {
             return invalid(format!("instance {index}"), format!("mesh {} does not exist", instance.mesh));
@@ -116,13 +121,14 @@ fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<
             return invalid(format!("instance {index}"), "its transform is not finite, or sends the mesh beyond f32");
         }
     }
-    // A node scaled to nothing has no surface.
+    // Leave out instances that are scaled to nothing: they have no surface.
     let before = data.instances.len();
     let flat = |i: &super::data::Instance| i.world_from_object.matrix3.determinant() == 0.0;
     data.instances.retain(|i| !flat(i));
     if data.instances.len() < before {
         warnings.push(format!("{} instance(s) are scaled to nothing and left out", before - data.instances.len()));
     }
+    // Check spheres and user-defined shapes.
     let materials = data.materials.len();
     for (index, sphere) in data.spheres.iter().enumerate() {
         if !(sphere.radius > 0.0 && sphere.radius.is_finite() && sphere.center.is_finite()) {
@@ -150,6 +156,7 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
     if !(color.is_finite() && color.min_element() >= 0.0) {
         return invalid(object(), format!("intensity {color} is negative or not finite"));
     }
+    // Check position, direction, range and cone.
     let (position, direction, range) = match *light {
         Light::Point { position, range, .. } => (position, Vec3::X, range),
         Light::Spot { position, direction, range, .. } => (position, direction, range),
@@ -185,6 +192,7 @@ fn check_environment(environment: &Environment) -> Result<(), Error> {
             format!("its radiance {radiance} is negative, not finite or above {BRIGHTEST:e} cd/m²"),
         );
     }
+    // Check the rotation, then the map's texels.
     let is_rotation = (world_from_map.length_squared() - 1.0).abs() < 1e-3;
     if !is_rotation {
         return invalid(object(), "its rotation is not a quaternion of unit length");
@@ -223,8 +231,8 @@ fn check_cameras(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
-/// A normal that is zero or not finite makes its mesh fall back to geometric normals.
-fn mend_normals(data: &mut SceneData, warnings: &mut Vec<String>) {
+/// Replaces the normals of a mesh by geometric ones if any of them is zero or not finite.
+fn repair_normals(data: &mut SceneData, warnings: &mut Vec<String>) {
     for (index, mesh) in data.meshes.iter_mut().enumerate() {
         if mesh.normals.iter().any(|n| n.try_normalize().is_none()) {
             mesh.normals = Vec::new();
@@ -265,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_value() {
         let mut data = triangle();
         data.meshes[0].triangles[0][1] = 77;
         assert!(message(data).contains("index 77"));
@@ -315,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_mended_is_mended_with_a_warning() {
+    fn repairs_come_with_a_warning() {
         let mut data = triangle();
         data.meshes[0].normals = vec![Vec3::Z, Vec3::ZERO, Vec3::Z];
         data.instances.push(Instance { mesh: 0, world_from_object: Affine3A::from_mat3(Mat3::ZERO) });
