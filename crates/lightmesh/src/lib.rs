@@ -1,6 +1,6 @@
-//! A renderer for scenes with many lights. It caches visibility and indirect light at the points of a sparse 3D grid, the *light
-//! mesh*, and interpolates them to surfaces, so that shadow rays are traced for each mesh point and not for each pixel. Points are
-//! evaluated when a surface first needs them, and stay valid when the camera moves.
+//! A renderer for scenes with many lights. It caches visibility and indirect light at the points of a sparse 3D grid,
+//! the *light mesh*, and interpolates them to surfaces, so that shadow rays are traced for each mesh point and not for
+//! each pixel. Points are evaluated when a surface first needs them, and stay valid when the camera moves.
 //!
 //! After V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse color
 //! bleeding in ray tracing", GraphiCon 2001, which all documentation calls *the paper*.
@@ -18,9 +18,10 @@
 //!
 //! # Floors
 //!
-//! Folders are stacked, and none imports from one above it. From the ground up: `sampling`, `geometry` and `options`; the description
-//! of a `scene`, its `bvh`, its `light` and all together, the `world`; the `interaction` of rays with surfaces; the `mesh` without light,
-//! `direct` and `indirect` light on it, and both in a `light_mesh`; the `film`, the `integrator`, and the `api` on top of them.
+//! Folders are stacked, and none imports from one above it. From the ground up: `sampling`, `geometry` and `options`;
+//! the description of a `scene`, its `bvh`, its `light` and all together, the `world`; the `interaction` of rays with
+//! surfaces; the `mesh` without light, `direct` and `indirect` light on it, and both in a `light_mesh`; the `film`, the
+//! `integrator`, and the `api` on top of them.
 //!
 //! ```
 //! use lightmesh::geometry::{Sphere, TriangleMesh};

@@ -11,7 +11,8 @@ use crate::Viewer;
 pub enum Stage {
     /// Rendering a coarse preview for a [`Viewer`]; counts samples.
     CoarsePreview,
-    /// Comparing pixels with their exact light, to keep to [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
+    /// Comparing pixels with their exact light, to keep to
+    /// [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
     Check,
     /// Finding the mesh points that a picture's samples read; counts samples.
     Demand,

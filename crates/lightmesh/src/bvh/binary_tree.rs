@@ -46,8 +46,8 @@ pub(super) enum Content {
 /// before it, gives a chain; f32 leaves room for some 250 doublings with a few boxes each.
 const MAX_OPTIMIZED_DEPTH: usize = 1000;
 
-/// Rounds of PLOC that compare direct neighbours only: none. Empirical: one such round costs Sponza's rays 9% more nodes
-/// and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
+/// Rounds of PLOC that compare direct neighbours only: none. Empirical: one such round costs Sponza's rays 9% more
+/// nodes and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
 const FULL_SEARCH: usize = 0;
 
 /// Builds the tree over `items`, node 0 the root; empty for no items.
@@ -55,8 +55,8 @@ pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
     if items.is_empty() {
         return Vec::new();
     }
-    // Items with one and the same box count as one: PLOC merges a single pair of equals per round, so that 40,000 copies
-    // of a triangle took it 55 s.
+    // Items with one and the same box count as one: PLOC merges a single pair of equals per round, so that 40,000
+    // copies of a triangle took it 55 s.
     let mut order: Vec<u32> = (0..items.len() as u32).collect();
     order.par_sort_unstable_by_key(|&i| (bits(&items[i as usize].bounds), i));
     let mut groups: Vec<Range<u32>> = Vec::with_capacity(items.len());

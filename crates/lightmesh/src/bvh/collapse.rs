@@ -47,8 +47,8 @@ struct Choice {
 }
 
 /// Collapses a binary tree by dynamic programming over the number of pieces a subtree is cut into: Ylitie, Karras and
-/// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1. `emit_leaf` gets
-/// the items under each leaf, depth first, and returns the run of leaf items it made of them.
+/// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1. `emit_leaf`
+/// gets the items under each leaf, depth first, and returns the run of leaf items it made of them.
 pub(super) fn collapse(
     binary: &[BinaryNode],
     rule: LeafRule,
@@ -91,7 +91,8 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Makes a leaf or a node of the subtree under a binary node. Returns its reference and the pieces that are its children.
+    /// Makes a leaf or a node of the subtree under a binary node. Returns its reference and the pieces that are its
+    /// children.
     fn emit(&mut self, index: usize) -> (ChildRef, Vec<usize>) {
         if matches!(self.choices[index].cut[0], Cut::Leaf) {
             self.under.clear();
@@ -108,7 +109,8 @@ impl Builder<'_> {
         (ChildRef::node(self.tree.nodes.len() - 1), pieces)
     }
 
-    /// Collects the roots of the at most `count` pieces that a binary node is best cut into; with `open` it is cut in any case.
+    /// Collects the roots of the at most `count` pieces that a binary node is best cut into; with `open` it is cut in
+    /// any case.
     fn pieces(&self, index: usize, count: usize, open: bool, out: &mut Vec<usize>) {
         let mut count = count;
         while let Cut::Fewer = self.choices[index].cut[count - 1] {

@@ -18,7 +18,8 @@ use crate::geometry::{Aabb, Ray, Shape, Sphere};
 /// The cost of entering an instance, in nodes. Empirical.
 const OBJECT_COST: f32 = 4.0;
 
-/// Largest coordinate of an object's box, metres: boxes of unbounded shapes are cut there, so that surfaces stay finite.
+/// Largest coordinate of an object's box, metres: boxes of unbounded shapes are cut there, so that surfaces stay
+/// finite.
 const FAR: f32 = 1e18;
 
 /// The most crossings of one sphere or shape that `any_hit` offers.

@@ -18,7 +18,8 @@ pub(super) const MAX_DEPTH: usize = STACK / (WIDTH - 1);
 /// Children still to visit: the distance where the ray enters them in the upper half, their reference in the lower.
 pub(super) type Stack = [u64; STACK];
 
-/// What traversals of two levels need. Threads keep theirs from ray to ray: clearing 4 kB takes a third as long as a short shadow ray.
+/// What traversals of two levels need. Threads keep theirs from ray to ray: clearing 4 kB takes a third as long as a
+/// short shadow ray.
 pub(super) struct Stacks {
     pub(super) mesh: Stack,
     pub(super) top: Stack,
@@ -86,7 +87,8 @@ impl<S: Simd> BoxRay<S> {
         let (o, d) = (ray.origin, ray.direction);
         let reach = (o - bounds.min).abs().max((o - bounds.max).abs()).max_element();
         let margin = Vec3::splat(reach * (1.0 / (1 << 20) as f32)).max(o.abs() * (1.0 / (1 << 22) as f32));
-        // A finite 1/0 keeps 0 · ∞ = NaN out: (p − o) / 0 then is ±huge, or 0 on the plane itself, which counts as inside.
+        // A finite 1/0 keeps 0 · ∞ = NaN out: (p − o) / 0 then is ±huge, or 0 on the plane itself, which counts as
+        // inside.
         let inverse = d.to_array().map(|d| (1.0 / d).clamp(-f32::MAX, f32::MAX));
         let side = inverse.map(|r| (r.to_bits() >> 31) as usize);
         let shift = |axis: usize| if side[axis] == 0 { margin[axis] } else { -margin[axis] };

@@ -165,8 +165,8 @@ impl TriangleBvh {
         )
     }
 
-    /// Offers each triangle that the ray meets once to `accept`, in any order, until it returns true; returns whether it
-    /// did.
+    /// Offers each triangle that the ray meets once to `accept`, in any order, until it returns true; returns whether
+    /// it did.
     #[inline(always)]
     pub(super) fn any_hit<S: Simd>(
         &self,

@@ -38,8 +38,8 @@ impl<'a> RenderClock<'a> {
         self.limit.is_some()
     }
 
-    /// Returns how many samples of the film's pass the next wave takes; `None` where the pass is done, or the time is up and every pixel
-    /// has a sample.
+    /// Returns how many samples of the film's pass the next wave takes; `None` where the pass is done, or the time is
+    /// up and every pixel has a sample.
     pub(crate) fn next_wave(&mut self, film: &Film) -> Option<u64> {
         self.wave_started = Instant::now();
         let left = (film.sample_count() - film.done()).min(film.samples_per_wave());

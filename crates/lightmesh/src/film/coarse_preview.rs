@@ -14,8 +14,8 @@ pub(super) struct CoarsePreview {
 }
 
 impl CoarsePreview {
-    /// Returns the pixels that a preview of this stride samples. Those that a coarser one has, whose stride is a multiple, are not sampled
-    /// again.
+    /// Returns the pixels that a preview of this stride samples. Those that a coarser one has, whose stride is a
+    /// multiple, are not sampled again.
     pub(super) fn pixels(order: TileOrder, stride: u32, coarser: Option<&Self>) -> Vec<u32> {
         let grid = (0..order.height).step_by(stride as usize).flat_map(|y| {
             let row = (0..order.width).step_by(stride as usize);

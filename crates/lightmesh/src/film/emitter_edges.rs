@@ -11,9 +11,10 @@ use crate::sampling::film_samples;
 const SAW_EMITTER: u8 = 1;
 const SAW_OTHER: u8 = 2;
 
-/// Samples of a pixel on an emitter edge. Emitters are tens to thousands of times as bright as what is beside them: four samples
-/// leave steps that no tone map hides. Measured on the Cornell box with its lamp in view, four samples elsewhere: the error of
-/// the lamp's rows is 6.3% of the picture's mean (clamped at 8 times it) without them and 1.0% with them.
+/// Samples of a pixel on an emitter edge. Emitters are tens to thousands of times as bright as what is beside them:
+/// four samples leave steps that no tone map hides. Measured on the Cornell box with its lamp in view, four samples
+/// elsewhere: the error of the lamp's rows is 6.3% of the picture's mean (clamped at 8 times it) without them and 1.0%
+/// with them.
 const EDGE_SAMPLES: u32 = 64;
 
 /// The samples that the pixels on emitter edges had before they are sampled anew.
@@ -38,9 +39,10 @@ impl Film {
         }
     }
 
-    /// Begins a pass over the pixels on emitter edges: those that have both an emitter and something else within a pixel. Their sums
-    /// are cleared. Each gets 64 samples, or fewer where that were more than `most` in all, or more than the whole picture had.
-    /// Returns false if there is nothing to do: no such pixel, or enough samples, or a single one at each pixel's centre.
+    /// Begins a pass over the pixels on emitter edges: those that have both an emitter and something else within a
+    /// pixel. Their sums are cleared. Each gets 64 samples, or fewer where that were more than `most` in all, or more
+    /// than the whole picture had. Returns false if there is nothing to do: no such pixel, or enough samples, or a
+    /// single one at each pixel's centre.
     pub(crate) fn begin_emitter_edges(&mut self, most: u64) -> bool {
         let spp = self.offsets.len();
         if spp < 2 || self.seen.is_empty() {

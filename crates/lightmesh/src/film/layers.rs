@@ -8,8 +8,8 @@ use crate::options::{Aov, Aovs, Layer};
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
     collected: Aovs,
-    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the maximum, for [`Aov::MeshValid`] the sum of
-    /// 1 − valid.
+    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the maximum, for [`Aov::MeshValid`]
+    /// the sum of 1 − valid.
     values: [Vec<f32>; Aov::ALL.len()],
     /// By pixel: the weight of the samples that hit something, which depths are divided by.
     hit: Vec<f32>,
@@ -50,8 +50,8 @@ impl Layers {
         }
     }
 
-    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of the corners' weights, in a
-    /// cell of refinement `level`.
+    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of the
+    /// corners' weights, in a cell of refinement `level`.
     pub(crate) fn add_reading(&mut self, pixel: u32, weight: f32, usable: f32, level: u32) {
         if let Some(missing) = self.values[Aov::MeshValid as usize].get_mut(pixel as usize) {
             *missing += weight * (1.0 - usable);
@@ -112,7 +112,8 @@ impl Layers {
         }
     }
 
-    /// Returns the finished layers, in the order of [`Aov::ALL`]. The sums must have been scaled to means; [`Aov::Points`] is black.
+    /// Returns the finished layers, in the order of [`Aov::ALL`]. The sums must have been scaled to means;
+    /// [`Aov::Points`] is black.
     pub(crate) fn finish(mut self) -> Vec<Layer> {
         for (depth, hit) in self.values[Aov::Depth as usize].iter_mut().zip(&self.hit) {
             *depth = if *hit > 0.0 { *depth / hit } else { Aov::FAR_M };

@@ -43,7 +43,8 @@ pub(crate) struct Film {
     sums: Vec<Vec3>,
     aovs: Aovs,
     layers: Layers,
-    /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not supersampled.
+    /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not
+    /// supersampled.
     seen: Vec<u8>,
     /// What is shown of pixels without samples.
     coarse_preview: Option<CoarsePreview>,
@@ -93,8 +94,8 @@ impl Film {
         self.pass = Pass { pixels: None, indices, done: 0, end: None };
     }
 
-    /// Begins a coarse preview: the first sample of every `stride`-th pixel of every `stride`-th row. Previews come before any pass, the
-    /// coarsest first. Layers are not collected.
+    /// Begins a coarse preview: the first sample of every `stride`-th pixel of every `stride`-th row. Previews come
+    /// before any pass, the coarsest first. Layers are not collected.
     pub(crate) fn begin_coarse_preview(&mut self, stride: u32) {
         let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
@@ -133,8 +134,8 @@ impl Film {
         pixels.iter().map(|&pixel| self.sums[pixel as usize]).collect()
     }
 
-    /// Returns random pixels, one in each of `count` equal parts of the picture, in the order in which they are sampled. Other numbers
-    /// of a `set` give other pixels.
+    /// Returns random pixels, one in each of `count` equal parts of the picture, in the order in which they are
+    /// sampled. Other numbers of a `set` give other pixels.
     pub(crate) fn draw(&self, seed: u64, set: u32, count: u64) -> Vec<u32> {
         let all = self.pixel_count();
         let count = count.min(all);
@@ -190,8 +191,8 @@ impl Film {
         self.pass.pixels.as_ref().map_or(self.sums.len(), Vec::len) as u64
     }
 
-    /// The samples of a range of numbers below [`Film::sample_count`]: pixel by pixel within a tile, tile by tile, or along the
-    /// pass's list.
+    /// The samples of a range of numbers below [`Film::sample_count`]: pixel by pixel within a tile, tile by tile, or
+    /// along the pass's list.
     pub(crate) fn samples(&self, range: Range<u64>) -> impl Iterator<Item = Sample> {
         let spp = self.pass.samples_per_pixel();
         let first = self.pass.indices.start;
@@ -213,11 +214,11 @@ impl Film {
         })
     }
 
-    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the
-    /// pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own bits (Kollig and Keller,
-    /// "Efficient Multidimensional Sampling", 2002): strata stay strata. Of as many digits as there are strata along an axis; a point
-    /// is in the middle of its own, which halves the squared error of an edge that runs along an axis: ∫ f(1 − f) df = 1/6 becomes
-    /// ∫ min(f, 1 − f)² df = 1/12.
+    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes
+    /// through the pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own
+    /// bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002): strata stay strata. Of as many digits as
+    /// there are strata along an axis; a point is in the middle of its own, which halves the squared error of an edge
+    /// that runs along an axis: ∫ f(1 − f) df = 1/6 becomes ∫ min(f, 1 − f)² df = 1/12.
     pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
@@ -266,11 +267,11 @@ impl Film {
 /// The cells of a pixel with so many samples, in each direction, and the width of a square of a cell's area, in pixels.
 /// 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
 ///
-/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a
-/// (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error
-/// against 256 point samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with
-/// point samples, 12.7% with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on
-/// outlines of surfaces.
+/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of
+/// a (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies
+/// makes no noise. Error against 256 point samples of the staircase (wallpaper of a pattern a few pixels wide, direct
+/// light), four samples: 16.1% with point samples, 12.7% with the same area about the sample, 11.3% with the whole
+/// pixel, 9.9% with cells; most of that is on outlines of surfaces.
 fn cells_of_pixel(spp: usize) -> (Vec2, f32) {
     let k = spp.ilog2();
     let cells = Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32);
@@ -324,8 +325,9 @@ mod tests {
         }
     }
 
-    /// An edge along a row of pixels covers the part f of them. Four samples say one of five parts, the nearest: the mean of the squared
-    /// errors over f is 1/12 of a stratum's square, where samples anywhere in their strata would have 1/6.
+    /// An edge along a row of pixels covers the part f of them. Four samples say one of five parts, the nearest: the
+    /// mean of the squared errors over f is 1/12 of a stratum's square, where samples anywhere in their strata would
+    /// have 1/6.
     #[test]
     fn edges_along_rows_are_as_exact_as_strata_let_them_be() {
         let film = film(64, 1, 4);

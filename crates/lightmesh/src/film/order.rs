@@ -1,4 +1,5 @@
-//! In which order the pixels of a picture are sampled: square tiles, so that neighbouring rays hit neighbouring surfaces.
+//! In which order the pixels of a picture are sampled: square tiles, so that neighbouring rays hit neighbouring
+//! surfaces.
 
 use std::ops::Range;
 

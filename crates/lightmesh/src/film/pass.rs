@@ -26,8 +26,8 @@ impl Pass {
         u64::from(self.indices.end - self.indices.start)
     }
 
-    /// Returns runs of pixels, by number, that have equally many samples, and how many samples, those of earlier passes included: the
-    /// pixels that are done, the one that is begun, the rest. Runs may be empty.
+    /// Returns runs of pixels, by number, that have equally many samples, and how many samples, those of earlier passes
+    /// included: the pixels that are done, the one that is begun, the rest. Runs may be empty.
     pub(crate) fn counts(&self, pixels: u64) -> [(Range<u64>, u32); 3] {
         let each = self.samples_per_pixel();
         let (done, begun) = (self.done / each, (self.done % each) as u32);

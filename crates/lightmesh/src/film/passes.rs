@@ -20,8 +20,8 @@ pub(crate) enum SumOrder {
     Waves,
 }
 
-/// The most samples of a wave, which has all samples of as many pixels as fit in. A fixed number: the order in which a pixel's light is
-/// summed must not depend on the machine.
+/// The most samples of a wave, which has all samples of as many pixels as fit in. A fixed number: the order in which a
+/// pixel's light is summed must not depend on the machine.
 pub(crate) const WAVE: u64 = 1 << 16;
 
 /// Distances between the samples of the coarse previews in pixels, the coarsest first.
@@ -30,8 +30,8 @@ const PREVIEW_STRIDES: [u32; 3] = [8, 4, 2];
 /// A coarse preview may cost one part in so many of the first pass.
 const PREVIEW_PART: u32 = 16;
 
-/// A pass takes an eighth of the samples that there are, at least one per pixel: where time ends in the middle of it, the
-/// first pixels have an eighth more than the last.
+/// A pass takes an eighth of the samples that there are, at least one per pixel: where time ends in the middle of it,
+/// the first pixels have an eighth more than the last.
 const GROWTH: u32 = 8;
 
 /// Takes all samples of the picture. `trace` takes those of the film's pass, in waves as long as `clock` allows.

@@ -7,8 +7,8 @@ use super::emitter_edges::EmitterEdges;
 use crate::{Image, Layer};
 
 impl Film {
-    /// Returns the picture so far: the mean over the samples that each pixel has; where it has none, the coarse preview; where there is
-    /// none either, black. `None` while a coarse preview is being made.
+    /// Returns the picture so far: the mean over the samples that each pixel has; where it has none, the coarse
+    /// preview; where there is none either, black. `None` while a coarse preview is being made.
     pub(crate) fn picture(&self) -> Option<Image> {
         let pixels = match (&self.pass.pixels, &self.emitter_edges) {
             (Some(list), Some(edges)) => self.with_emitter_edges(list, edges),

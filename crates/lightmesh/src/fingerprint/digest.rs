@@ -1,6 +1,6 @@
-//! A hash of 128 bits over a stream of 64-bit words: two lanes, each a chain of the finaliser of SplitMix64 (Steele, Lea and Flood, "Fast
-//! Splittable Pseudorandom Number Generators", OOPSLA 2014; constants of Stafford's variant 13), which every word enters in another
-//! way. Not cryptographic.
+//! A hash of 128 bits over a stream of 64-bit words: two lanes, each a chain of the finaliser of SplitMix64 (Steele,
+//! Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014; constants of Stafford's variant 13),
+//! which every word enters in another way. Not cryptographic.
 
 use std::fmt;
 

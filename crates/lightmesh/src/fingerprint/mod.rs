@@ -13,16 +13,18 @@ use crate::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWei
 /// Increased whenever mesh points get other values, so that meshes of older versions are not mistaken for this one's.
 const VALUES_VERSION: u64 = 1;
 
-/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are not cryptographic.
+/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are not
+/// cryptographic.
 ///
 /// Written as 32 hexadecimal digits; [`FromStr`] reads them back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fingerprint(pub u128);
 
 impl Fingerprint {
-    /// Returns the fingerprint of everything in a scene that light depends on: surfaces and their transforms, materials, textures, lights,
-    /// the environment, and how emitters become light samples; not of cameras and names. Of a user-defined shape it has the box and the
-    /// `Debug` text. It takes about a second for two gigabytes of vertices and texels.
+    /// Returns the fingerprint of everything in a scene that light depends on: surfaces and their transforms,
+    /// materials, textures, lights, the environment, and how emitters become light samples; not of cameras and names.
+    /// Of a user-defined shape it has the box and the `Debug` text. It takes about a second for two gigabytes of
+    /// vertices and texels.
     pub fn of_scene(scene: &Scene) -> Self {
         scene::fingerprint(scene)
     }
@@ -34,9 +36,10 @@ impl Fingerprint {
         digest.finish()
     }
 
-    /// Returns the fingerprint of the settings that values of mesh points depend on: method (`hybrid` and `unbiased` have the same points), falloff,
-    /// neighbourhood and weights, spacings, number of levels, light error, gather rays, depth and seed, and whether the error is bounded.
-    /// Not of the number of bounces, which [`Snapshot`](crate::Snapshot) tell.
+    /// Returns the fingerprint of the settings that values of mesh points depend on: method (`hybrid` and `unbiased`
+    /// have the same points), falloff, neighbourhood and weights, spacings, number of levels, light error, gather rays,
+    /// depth and seed, and whether the error is bounded. Not of the number of bounces, which
+    /// [`Snapshot`](crate::Snapshot) tell.
     pub fn of_settings(options: &RenderOptions) -> Self {
         let mut digest = Digest::new("lightmesh settings");
         let paper = options.method == Method::Paper;

@@ -1,4 +1,5 @@
-//! The parts of a scene that its light depends on. Every field is named, so that a new field does not compile until it is added here.
+//! The parts of a scene that its light depends on. Every field is named, so that a new field does not compile until it
+//! is added here.
 
 use std::fmt::Write;
 

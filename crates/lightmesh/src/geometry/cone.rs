@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-/// The cone about a ray that a camera sample stands for (Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984): textures are averaged
-/// over its width. Mirrors and glass reflect and transmit it as if they were flat (Akenine-Möller et al., "Improved Shader and Texture
-/// Level of Detail Using Ray Cones", JCGT 10(1), 2021, section 3, without their curvature), and refraction does not change it.
+/// The cone about a ray that a camera sample stands for (Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984): textures
+/// are averaged over its width. Mirrors and glass reflect and transmit it as if they were flat (Akenine-Möller et al.,
+/// "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021, section 3, without their
+/// curvature), and refraction does not change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cone {
     /// Width at the ray's origin, metres.

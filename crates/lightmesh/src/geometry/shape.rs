@@ -9,7 +9,8 @@ use super::ray::Ray;
 
 /// A surface of any kind that rays can be intersected with and that has normals, which is all that the method needs of
 /// a surface. Implement it to add a torus, a height field or a signed-distance shape to a scene
-/// ([`SceneData::shapes`](crate::scene::SceneData::shapes)); every tracer and the light mesh then treat it like the rest.
+/// ([`SceneData::shapes`](crate::scene::SceneData::shapes)); every tracer and the light mesh then treat it like the
+/// rest.
 ///
 /// Results must be pure: the same ray has the same result, from any thread.
 pub trait Shape: Send + Sync + Debug {

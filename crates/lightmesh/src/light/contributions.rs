@@ -16,7 +16,8 @@ pub(crate) struct Receiver {
     pub n: Vec3,
     /// Unit geometric normal: lights below its plane are probably occluded.
     pub ng: Vec3,
-    /// Direction towards a near occluder, of any length: lights within 60° of it are probably occluded; zero: there is none.
+    /// Direction towards a near occluder, of any length: lights within 60° of it are probably occluded; zero: there is
+    /// none.
     pub occluder_direction: Vec3,
     /// φ3.
     pub falloff: Falloff,
@@ -68,8 +69,8 @@ pub(crate) struct LightTerms {
 }
 
 impl LightTerms {
-    /// Evaluates all lights at a surface. Returns Σ w_i c_i, lux per channel, with a weight for every lane, and Σ c_i, mean over the
-    /// channels.
+    /// Evaluates all lights at a surface. Returns Σ w_i c_i, lux per channel, with a weight for every lane, and Σ c_i,
+    /// mean over the channels.
     #[inline(always)]
     pub(crate) fn evaluate<S: Simd>(
         &mut self,
@@ -123,8 +124,9 @@ impl LightTerms {
         (Vec3::new(sum(r), sum(g), sum(b)), total)
     }
 
-    /// Raises the contributions of lanes that are clusters to at least `least`, by lane, in lux, mean over the channels, if any of their
-    /// lights, which are within `radii` of their representatives, can be in front of a surface of this normal.
+    /// Raises the contributions of lanes that are clusters to at least `least`, by lane, in lux, mean over the
+    /// channels, if any of their lights, which are within `radii` of their representatives, can be in front of a
+    /// surface of this normal.
     #[inline(always)]
     pub(crate) fn raise_to_least(&mut self, n: Vec3, least: &[f32], radii: &[f32]) {
         let slots = self.blocks.iter_mut().zip(least.chunks_exact(LANES)).zip(radii.chunks_exact(LANES));

@@ -1,5 +1,5 @@
-//! How light fades with distance: φ, what an intensity is divided by. Written for one light and for a block of them, which a test
-//! holds together bit for bit.
+//! How light fades with distance: φ, what an intensity is divided by. Written for one light and for a block of them,
+//! which a test holds together bit for bit.
 
 use fearless_simd::{Simd, f32x16};
 

@@ -1,4 +1,5 @@
-//! The lights of one receiver: every sample, or a cut through the tree over many of them with a shadow ray for each of its nodes.
+//! The lights of one receiver: every sample, or a cut through the tree over many of them with a shadow ray for each of
+//! its nodes.
 
 use std::ops::Range;
 
@@ -12,8 +13,8 @@ use crate::Falloff;
 use crate::geometry::Ray;
 use crate::sampling::{hash, seed_of_position, unit_f32};
 
-/// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the noise and the time of 0 to
-/// 0.4.
+/// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the noise
+/// and the time of 0 to 0.4.
 const SHADOWS: f32 = 0.3;
 
 /// The lights of a receiver and the shadow rays to them; buffers are kept from receiver to receiver.
@@ -61,14 +62,16 @@ impl<'a> LightCut<'a> {
         if self.tree.is_some() { &self.clusters } else { self.samples }
     }
 
-    /// Returns the lights of the tree that a lane represents, in the order of its leaves; all of them where there is no tree.
+    /// Returns the lights of the tree that a lane represents, in the order of its leaves; all of them where there is no
+    /// tree.
     pub(crate) fn leaves(&self, lane: usize) -> Range<u32> {
         self.tree.map_or(0..self.samples.len() as u32, |(tree, _)| tree.leaves(self.nodes[lane]))
     }
 
-    /// Returns the shadow ray from a point at or near the receiver to a lane's light. Of a cluster it goes to one of its samples, chosen in
-    /// proportion to their strength. Neighbouring receivers choose independently, so that the mean over them samples the whole cluster.
-    /// (Eighths of each cluster for the eight points around a cell had as much noise.)
+    /// Returns the shadow ray from a point at or near the receiver to a lane's light. Of a cluster it goes to one of
+    /// its samples, chosen in proportion to their strength. Neighbouring receivers choose independently, so that the
+    /// mean over them samples the whole cluster. (Eighths of each cluster for the eight points around a cell had as
+    /// much noise.)
     pub(crate) fn shadow_ray(&self, lane: usize, from: Vec3) -> Ray {
         let Some((tree, _)) = self.tree else { return self.samples.shadow_ray(lane, from) };
         let node = self.nodes[lane];

@@ -1,4 +1,5 @@
-//! The light of one punctual light, straight from its description: the path tracer's, and independent of the light samples.
+//! The light of one punctual light, straight from its description: the path tracer's, and independent of the light
+//! samples.
 
 use glam::Vec3;
 
@@ -7,8 +8,8 @@ use crate::Falloff;
 use crate::scene::Light;
 
 impl Light {
-    /// Returns the vector from `p` to the light, or the unit vector towards a directional one, and the illuminance (lux per channel)
-    /// that it brings to a surface at `p` that faces it.
+    /// Returns the vector from `p` to the light, or the unit vector towards a directional one, and the illuminance (lux
+    /// per channel) that it brings to a surface at `p` that faces it.
     pub(crate) fn arriving(&self, falloff: Falloff, p: Vec3) -> (Vec3, Vec3) {
         let fade = |position: Vec3, range: Option<f32>| {
             let d = position - p;

@@ -19,8 +19,8 @@ pub(crate) struct SampledLight {
     pub emission: LightEmission,
 }
 
-/// How a light sample's intensity depends on where it is seen from: the rows of the table in `samples.rs`. A new kind needs a block of
-/// lanes there, and its own term in the bounds of the light tree.
+/// How a light sample's intensity depends on where it is seen from: the rows of the table in `samples.rs`. A new kind
+/// needs a block of lanes there, and its own term in the bounds of the light tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum LightEmission {
     /// A point that shines alike in every direction, without end.

@@ -13,9 +13,9 @@
 //! | patch of area A that faces a, φ = r² | cosθ_a / (r max(r² + A/π (3cos²θ_a − 2), A/π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
 //! | patch, φ = Const + r | cosθ_a / ((Const + r) r) |
 //!
-//! A patch is a disk of area A = πR²: its mean of cos cos / r² over a plane that is parallel to it is, to the second order in R, that of
-//! its middle times 1 − R² (3cos²θ_a − 2) / r². On the axis I / (r² + R²) is exact; further off than cos²θ_a = ⅔ a disk gives more
-//! than its middle. R² keeps it finite on surfaces close to it.
+//! A patch is a disk of area A = πR²: its mean of cos cos / r² over a plane that is parallel to it is, to the second
+//! order in R, that of its middle times 1 − R² (3cos²θ_a − 2) / r². On the axis I / (r² + R²) is exact; further off
+//! than cos²θ_a = ⅔ a disk gives more than its middle. R² keeps it finite on surfaces close to it.
 //!
 //! Lanes do the same additions in the same order at every SIMD level, so the sums are the same bit for bit.
 
@@ -31,8 +31,8 @@ use crate::geometry::Ray;
 /// Lights per block.
 pub(crate) const LANES: usize = 16;
 
-/// A shadow ray stops this part of its length short of its light, so that an emitter's own surface on which the sample lies
-/// does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
+/// A shadow ray stops this part of its length short of its light, so that an emitter's own surface on which the sample
+/// lies does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
 /// r² is not taken below this (1 µm): a light that touches a point stays finite.
@@ -147,7 +147,8 @@ impl LightSamples {
         (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }
 
-    /// Sums the unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of formula (2).
+    /// Sums the unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of
+    /// formula (2).
     pub(crate) fn irradiance(
         &self,
         level: Level,

@@ -68,8 +68,8 @@ impl Camera {
         }
     }
 
-    /// Returns the map from film positions of a `width` × `height` picture to rays. A perspective camera keeps its vertical
-    /// field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
+    /// Returns the map from film positions of a `width` × `height` picture to rays. A perspective camera keeps its
+    /// vertical field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
     pub fn film(&self, width: u32, height: u32) -> FilmRays {
         let m = &self.world_from_camera.matrix3;
         let (right, up) = (Vec3::from(m.x_axis).normalize_or(Vec3::X), Vec3::from(m.y_axis).normalize_or(Vec3::Y));
@@ -123,8 +123,9 @@ impl FilmRays {
         self.eye
     }
 
-    /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies `aside` of the ray,
-    /// in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the axis, θ the angle to it.
+    /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies
+    /// `aside` of the ray, in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the
+    /// axis, θ the angle to it.
     pub(crate) fn cone(&self, ray: &Ray, width: f32, offset: Vec2) -> Cone {
         let pixel = self.pixel;
         let cos = ray.direction.dot(self.forward).max(0.0);

@@ -60,8 +60,8 @@ pub struct SceneData {
 }
 
 impl SceneData {
-    /// Returns a box around all surfaces, metres. The data may be unchecked: indices out of range are left out. The box of a rotated
-    /// instance may be larger than needed, as the box of the mesh is transformed.
+    /// Returns a box around all surfaces, metres. The data may be unchecked: indices out of range are left out. The box
+    /// of a rotated instance may be larger than needed, as the box of the mesh is transformed.
     pub fn bounds(&self) -> Aabb {
         let placed = self.instances.iter().filter_map(|instance| {
             let mesh = self.meshes.get(instance.mesh)?;

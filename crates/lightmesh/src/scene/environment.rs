@@ -9,9 +9,9 @@ use crate::Error;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Environment {
-    /// A latitude-longitude map of linear RGB, or `None` for 1 in every direction. Row 0 is up (+Y), the middle of the map is
-    /// +X, columns go on towards +Z, as Blender's environment textures do after export to glTF's axes, and three.js':
-    /// column `u` and row `v` in [0, 1] look along (−cos 2πu sin πv, cos πv, −sin 2πu sin πv).
+    /// A latitude-longitude map of linear RGB, or `None` for 1 in every direction. Row 0 is up (+Y), the middle of the
+    /// map is +X, columns go on towards +Z, as Blender's environment textures do after export to glTF's axes, and
+    /// three.js': column `u` and row `v` in [0, 1] look along (−cos 2πu sin πv, cos πv, −sin 2πu sin πv).
     pub map: Option<ImageData>,
     /// Luminance per channel of a texel of 1, cd/m².
     pub radiance: Vec3,
@@ -22,7 +22,8 @@ pub struct Environment {
 /// How emitters become light samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterOptions {
-    /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1 to 65536.
+    /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1
+    /// to 65536.
     pub light_samples: u32,
     /// Punctual lights become sphere lights of this radius (metres) and equal power; 0 leaves them points.
     pub light_radius: f32,

@@ -5,7 +5,8 @@ use glam::{Vec2, Vec4};
 use super::mipmap::Mipmap;
 use super::texture::{ColorEncoding, Filter, ImageData, LookupRow, Texture, UvTransform, wrap_to_period};
 
-/// The part of a texture that a sample covers: the parallelogram of two vectors about a point beside the one that it hits.
+/// The part of a texture that a sample covers: the parallelogram of two vectors about a point beside the one that it
+/// hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Footprint {
     /// Its sides, in texture coordinates.
@@ -14,15 +15,17 @@ pub(crate) struct Footprint {
     pub offset: Vec2,
 }
 
-/// Lookups at most for one footprint, as GPUs have them. A footprint that is longer than so many times its width is looked
-/// up sparsely, not more coarsely: what is missed is noise that more samples remove, and stripes that run along it stay sharp.
+/// Lookups at most for one footprint, as GPUs have them. A footprint that is longer than so many times its width is
+/// looked up sparsely, not more coarsely: what is missed is noise that more samples remove, and stripes that run along
+/// it stay sharp.
 const MOST_TAPS: f32 = 16.0;
 
 impl Footprint {
     /// A single point.
     pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], offset: Vec2::ZERO };
 
-    /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third barycentric coordinates.
+    /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third
+    /// barycentric coordinates.
     pub(crate) fn mapped(self, corners: [Vec2; 3]) -> Self {
         let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
         let map = |side: Vec2| b * side.x + c * side.y;
@@ -34,11 +37,12 @@ impl Footprint {
         Self { sides: self.sides.map(|side| transform.matrix * side), offset: transform.matrix * self.offset }
     }
 
-    /// Returns the row of lookups that replaces the footprint on an image, or `None` if it is no longer than a texel: the image is
-    /// magnified.
+    /// Returns the row of lookups that replaces the footprint on an image, or `None` if it is no longer than a texel:
+    /// the image is magnified.
     ///
-    /// A parallelogram of sides a and b spreads its light as the ellipse does whose axes are the eigenvectors of aaᵀ + bbᵀ, the roots of
-    /// its eigenvalues their lengths (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 3.5).
+    /// A parallelogram of sides a and b spreads its light as the ellipse does whose axes are the eigenvectors of aaᵀ +
+    /// bbᵀ, the roots of its eigenvalues their lengths (Heckbert, "Fundamentals of Texture Mapping and Image Warping",
+    /// 1989, section 3.5).
     fn taps(self, image: &ImageData) -> Option<Taps> {
         let size = Vec2::new(image.width as f32, image.height as f32);
         let [a, b] = self.sides.map(|side| side * size);
@@ -64,8 +68,9 @@ impl Footprint {
     }
 }
 
-/// Lookups along the longer axis of a footprint, each as wide as the shorter one (as Feline and GPUs do: McCormack et al., "Feline: Fast
-/// Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH 1999, with equal weights: a box, not a Gaussian).
+/// Lookups along the longer axis of a footprint, each as wide as the shorter one (as Feline and GPUs do: McCormack et
+/// al., "Feline: Fast Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH 1999, with equal weights: a box, not
+/// a Gaussian).
 struct Taps {
     /// The longer axis, in texels.
     major: Vec2,
@@ -77,10 +82,10 @@ struct Taps {
 
 /// Which two levels make a lookup of width² `width2` ≥ 1 (texels²), and the part of the coarser one.
 ///
-/// A bilinear lookup in level l, of texels 2ˡ wide that are means themselves, spreads light with a variance of (1/12 + 1/6) 4ˡ − 1/12; a box of
-/// width w seen through the image's own bilinear lookup has w² / 12 + 1/6. Levels mix so that they agree, 4ˡ = 1 + w² / 3, up to the
-/// third of a texel² that lets a width of one texel be the image itself: 4ˡ = (2 + w²) / 3. At whole levels that is √3 sharper than
-/// one texel per width, which GPUs use.
+/// A bilinear lookup in level l, of texels 2ˡ wide that are means themselves, spreads light with a variance of (1/12 +
+/// 1/6) 4ˡ − 1/12; a box of width w seen through the image's own bilinear lookup has w² / 12 + 1/6. Levels mix so that
+/// they agree, 4ˡ = 1 + w² / 3, up to the third of a texel² that lets a width of one texel be the image itself: 4ˡ =
+/// (2 + w²) / 3. At whole levels that is √3 sharper than one texel per width, which GPUs use.
 fn level_of(width2: f32) -> (usize, f32) {
     let scale2 = (2.0 + width2) / 3.0;
     let level = (scale2.to_bits() >> 23).saturating_sub(127) / 2;
@@ -89,8 +94,9 @@ fn level_of(width2: f32) -> (usize, f32) {
 }
 
 impl Texture {
-    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. The result is that of
-    /// [`Texture::sample`], bit for bit, where the image is not minified, and always for [`Filter::Nearest`], whose texels are meant to be seen.
+    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. Where it is
+    /// not, and always for [`Filter::Nearest`], whose texels are meant to be seen, the result is that of
+    /// [`Texture::sample`], bit for bit.
     pub(crate) fn sample_over<'a>(
         &self,
         image: &'a ImageData,
@@ -158,7 +164,8 @@ mod tests {
         }
     }
 
-    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no mipmap is needed.
+    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no mipmap is
+    /// needed.
     #[test]
     fn magnified_lookups_are_unchanged() {
         let picture = image(17, 9, |x, y| ((7 * x + 3 * y) % 5) as f32);
@@ -177,8 +184,8 @@ mod tests {
         }
     }
 
-    /// Stripes of four texels, looked at with a footprint 64 texels long and one wide: along the stripes they stay as they are, across
-    /// they become grey.
+    /// Stripes of four texels, looked at with a footprint 64 texels long and one wide: along the stripes they stay as
+    /// they are, across they become grey.
     #[test]
     fn long_footprints_blur_one_direction_only() {
         let stripes = image(256, 256, |x, _| (x / 4 % 2) as f32);
@@ -192,8 +199,8 @@ mod tests {
         }
     }
 
-    /// Means commute with linear functions: of a ramp, any footprint has the value in its middle. 64 texels a side, sides up to 12
-    /// texels; coarse levels meet the ramp's ends at the seam, which are kept 16 texels away.
+    /// Means commute with linear functions: of a ramp, any footprint has the value in its middle. 64 texels a side,
+    /// sides up to 12 texels; coarse levels meet the ramp's ends at the seam, which are kept 16 texels away.
     #[test]
     fn a_ramp_keeps_its_value() {
         let ramp = image(64, 64, |x, y| 2.0 * x as f32 + y as f32);

@@ -15,7 +15,8 @@ pub enum Light {
         /// Distance (metres) at which KHR_lights_punctual's window reaches zero; `None`: infinite.
         range: Option<f32>,
     },
-    /// A cone with a smooth edge, `(clamp((cosθ − cos outer) / (cos inner − cos outer)))²` as KHR_lights_punctual recommends.
+    /// A cone with a smooth edge, `(clamp((cosθ − cos outer) / (cos inner − cos outer)))²` as KHR_lights_punctual
+    /// recommends.
     Spot {
         /// Metres.
         position: Vec3,

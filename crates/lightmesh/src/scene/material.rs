@@ -29,9 +29,10 @@ pub enum AlphaMode {
 ///   F90 = mix(specular, 1, metallic), F = F0 + (F90 − F0)(1 − cosθ)⁵ (Schlick 1994; KHR_materials_specular, _ior).
 /// - roughness ≤ [`Material::MIRROR_ROUGHNESS`]: the mirror direction carries F, the
 ///   diffuse albedo is baseColor · (1 − metallic)(1 − transmission)(1 − F).
-/// - rougher: no mirror; Lambert of the base colour, metals included. `specular` = 0 is exactly Lambert at any roughness.
-/// - transmission (at any roughness, seen sharp): the refracted direction carries baseColor · (1 − metallic) · transmission ·
-///   (1 − F). A `double_sided` surface is a thin sheet with no inside: its ray goes on unbent.
+/// - rougher: no mirror; Lambert of the base colour, metals included. `specular` = 0 is exactly Lambert at any
+///   roughness.
+/// - transmission (at any roughness, seen sharp): the refracted direction carries baseColor · (1 − metallic) ·
+///   transmission · (1 − F). A `double_sided` surface is a thin sheet with no inside: its ray goes on unbent.
 /// - alpha: BLEND covers the fraction alpha, the ray goes on with the rest; MASK is there or not.
 ///
 /// Shadow rays go straight through surfaces that are not opaque, and take on their colour: a BLEND surface transmits
@@ -79,7 +80,8 @@ pub struct Material {
     pub transmission: f32,
     /// Linear; R multiplies `transmission`.
     pub transmission_texture: Option<TextureRef>,
-    /// glTF's doubleSided. Surfaces shade from both sides anyway; it says that a back face does not mean the inside of a closed object.
+    /// glTF's doubleSided. Surfaces shade from both sides anyway; it says that a back face does not mean the inside of
+    /// a closed object.
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is shown as it is and no light changes it.
     pub unlit: bool,
@@ -130,8 +132,9 @@ impl Material {
 
     /// The textures that are averaged over footprints: colours, as they multiply light.
     ///
-    /// Those of surfaces that are not opaque are not averaged. The colour of a texel counts there as much as its alpha, and a mean of
-    /// products is not the product of means: the black that painters leave between the leaves would darken their edges.
+    /// Those of surfaces that are not opaque are not averaged. The colour of a texel counts there as much as its alpha,
+    /// and a mean of products is not the product of means: the black that painters leave between the leaves would
+    /// darken their edges.
     pub(crate) fn averaged_textures(&self) -> [Option<TextureRef>; 3] {
         match self.alpha_mode {
             AlphaMode::Opaque => [self.base_color_texture, self.emission_texture, self.specular_color_texture],
@@ -159,7 +162,8 @@ impl Material {
         ]
     }
 
-    /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is Lambert.
+    /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is
+    /// Lambert.
     pub const MIRROR_ROUGHNESS: f32 = 0.25;
 
     /// Whether the material has neither a mirror nor transmission, whatever its textures are.
@@ -169,8 +173,8 @@ impl Material {
         self.transmission == 0.0 && (never_smooth || never_shiny)
     }
 
-    /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness below
-    /// 0.6 (a judgement, not measured: above it a lobe of F0 = 0.04 looks much like Lambert).
+    /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness
+    /// below 0.6 (a judgement, not measured: above it a lobe of F0 = 0.04 looks much like Lambert).
     pub(crate) fn falls_back_to_lambert(&self) -> bool {
         let rough = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
         let glossy = self.metallic > 0.5 || (self.specular > 0.0 && self.roughness < 0.6);

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 use super::data::SceneData;
 use super::texture::{ColorEncoding, Filter, ImageData, Texels, linear_from_byte};
 
-/// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before in
-/// each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level that it
-/// covers, in linear light, stored as the image is: 8-bit levels are sRGB again, within half a step of the byte.
+/// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before
+/// in each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level
+/// that it covers, in linear light, stored as the image is: 8-bit levels are sRGB again, within half a step of the
+/// byte.
 ///
 /// It takes a third of the image's memory, and up to as much as the image where that is a line of texels:
 /// [`ImageData::mipmap_texels`].
@@ -18,8 +19,9 @@ pub(crate) struct Mipmap {
     levels: Vec<ImageData>,
 }
 
-/// The mipmaps of a checked scene's images, in their order; empty ones of those that are never averaged. They are built with the
-/// scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for it.
+/// The mipmaps of a checked scene's images, in their order; empty ones of those that are never averaged. They are built
+/// with the scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for
+/// it.
 pub(crate) fn build_mipmaps(data: &SceneData) -> Vec<Mipmap> {
     let mut wanted = vec![false; data.images.len()];
     for r in data.materials.iter().flat_map(|material| material.averaged_textures()).flatten() {
@@ -105,9 +107,9 @@ struct Span {
 }
 
 impl Span {
-    /// Texel `i` of the ⌊n / 2⌋ that n texels become. Two each where n is even; where it is odd, n = 2 m + 1, a texel is 2 + 1 / m
-    /// finer ones wide, and these have the parts (m − i) / n, m / n and (i + 1) / n of it (Guthe and Heckbert, "Non-Power-of-Two
-    /// Mipmapping", NVIDIA, 2005).
+    /// Texel `i` of the ⌊n / 2⌋ that n texels become. Two each where n is even; where it is odd, n = 2 m + 1, a texel
+    /// is 2 + 1 / m finer ones wide, and these have the parts (m − i) / n, m / n and (i + 1) / n of it (Guthe and
+    /// Heckbert, "Non-Power-of-Two Mipmapping", NVIDIA, 2005).
     pub(crate) fn new(n: u32, i: u32) -> Self {
         let (weights, count) = match n {
             1 => ([1.0, 0.0, 0.0], 1),

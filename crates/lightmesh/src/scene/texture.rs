@@ -62,8 +62,8 @@ pub struct Texture {
     pub wrap_s: Wrap,
     /// Vertically.
     pub wrap_t: Wrap,
-    /// How texels are combined. With [`Filter::Bilinear`], colours are averaged over the footprint of a camera sample if it is larger than
-    /// a texel.
+    /// How texels are combined. With [`Filter::Bilinear`], colours are averaged over the footprint of a camera sample
+    /// if it is larger than a texel.
     pub filter: Filter,
 }
 
@@ -84,7 +84,8 @@ impl Default for UvTransform {
 }
 
 impl UvTransform {
-    /// From the extension's three properties; `rotation` in radians, counter-clockwise as KHR_texture_transform defines it.
+    /// From the extension's three properties; `rotation` in radians, counter-clockwise as KHR_texture_transform defines
+    /// it.
     pub fn new(offset: Vec2, rotation: f32, scale: Vec2) -> Self {
         let (sin, cos) = (libm::sinf(rotation), libm::cosf(rotation));
         let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));

@@ -29,8 +29,8 @@ pub struct Scene {
 /// The parts of an instance's transform that shading needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InstanceFrame {
-    /// Turns normals: the inverse transpose of the linear part, its sign that of the determinant, so that the front of a
-    /// mirrored instance stays its front.
+    /// Turns normals: the inverse transpose of the linear part, its sign that of the determinant, so that the front of
+    /// a mirrored instance stays its front.
     pub normal_from_object: Mat3,
     /// −1 for a mirroring transform, else 1.
     pub handedness: f32,
@@ -198,7 +198,8 @@ impl Scene {
     }
 }
 
-/// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no inverse.
+/// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no
+/// inverse.
 fn cofactor(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }

@@ -1,4 +1,5 @@
-//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the patches that represent them.
+//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the patches that
+//! represent them.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -10,9 +11,9 @@ use super::{LightSample, Patch, luminance, radical_inverse};
 use crate::bvh::Target;
 use crate::scene::{Material, SceneData};
 
-/// An emitter is weak if its mean luminance is at most this many times that of the scene's walls, if these were white and reflected all
-/// light once. It is then about as bright as a well-lit wall, and gather rays find its light. A box that glows all over has 1; the bound
-/// is a choice, not measured.
+/// An emitter is weak if its mean luminance is at most this many times that of the scene's walls, if these were white
+/// and reflected all light once. It is then about as bright as a well-lit wall, and gather rays find its light. A box
+/// that glows all over has 1; the bound is a choice, not measured.
 const WEAK_TIMES_WALL: f64 = 4.0;
 
 /// All emissive meshes and spheres.
@@ -203,7 +204,8 @@ impl AreaLights {
         (patch.intensity_cd != Vec3::ZERO).then_some(LightSample::Patch(patch))
     }
 
-    /// Returns the point at which the flux, summed from the first primitive of all, reaches `u`; `v` is its other coordinate.
+    /// Returns the point at which the flux, summed from the first primitive of all, reaches `u`; `v` is its other
+    /// coordinate.
     fn point_at(&self, data: &SceneData, range: Range<usize>, u: f64, v: f32) -> Option<AreaPoint> {
         let index = range.start + self.cdf[range.clone()].partition_point(|&c| c <= u);
         let primitive = self.primitives.get(index).filter(|_| index < range.end)?;
@@ -230,7 +232,8 @@ impl AreaLights {
         self.point_at(data, 0..self.primitives.len(), f64::from(u.x), u.y)
     }
 
-    /// Returns the density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are no lights.
+    /// Returns the density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are
+    /// no lights.
     pub(crate) fn pdf(&self, data: &SceneData, target: Target) -> f32 {
         let Some(light) = self.light_of(target) else { return 0.0 };
         let index = match target {

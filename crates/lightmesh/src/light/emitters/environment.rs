@@ -92,8 +92,8 @@ impl EnvironmentLight {
         }
     }
 
-    /// Returns `n` directional lights that together have all of the light: Hammersley points through the table, each with the mean light
-    /// of its cell.
+    /// Returns `n` directional lights that together have all of the light: Hammersley points through the table, each
+    /// with the mean light of its cell.
     pub(super) fn samples(&self, n: u32) -> Vec<LightSample> {
         (0..n)
             .map(|i| {
@@ -162,9 +162,10 @@ impl Map {
     }
 }
 
-/// Blurs cells as bilinear lookup carries light from each into its neighbours. The mean of a lookup over a texel is an eighth of the
-/// texel before, six of its own and an eighth of the next; over a cell of n texels a neighbour's share is 1/8n. Without the blur the
-/// rim of a small sun is bright where the table is dark, and few samples with huge weights find it. Columns wrap around; rows do not.
+/// Blurs cells as bilinear lookup carries light from each into its neighbours. The mean of a lookup over a texel is an
+/// eighth of the texel before, six of its own and an eighth of the next; over a cell of n texels a neighbour's share is
+/// 1/8n. Without the blur the rim of a small sun is bright where the table is dark, and few samples with huge weights
+/// find it. Columns wrap around; rows do not.
 fn blur_like_lookups(cells: &[Vec3], width: usize, texels_per_cell: [f32; 2]) -> Vec<Vec3> {
     let [a, b] = texels_per_cell.map(|n| 0.125 / n);
     let height = cells.len() / width;
@@ -252,9 +253,9 @@ mod tests {
         }
     }
 
-    /// One sample's weight, luminance over density, against the mean of all, which is the integral over the sphere. Where
-    /// texels meet, bilinear lookup is at most half of the brighter one while its neighbour's cell holds an eighth: 4, and
-    /// 16 in a corner; sin θ changes by less than that.
+    /// One sample's weight, luminance over density, against the mean of all, which is the integral over the sphere.
+    /// Where texels meet, bilinear lookup is at most half of the brighter one while its neighbour's cell holds an
+    /// eighth: 4, and 16 in a corner; sin θ changes by less than that.
     #[test]
     fn no_sample_is_far_brighter_than_its_density() {
         let sky = sky();
@@ -297,7 +298,8 @@ mod tests {
         assert!(((sum - truth) / truth).abs().max_element() < 0.02, "{sum} {truth}");
     }
 
-    /// Directions against the density, in 8 × 8 cells of equal solid angle with 64 × 64 midpoints each. The sun's texel alone has most of them.
+    /// Directions against the density, in 8 × 8 cells of equal solid angle with 64 × 64 midpoints each. The sun's texel
+    /// alone has most of them.
     #[test]
     fn directions_come_in_proportion_to_the_density() {
         let sky = sky();

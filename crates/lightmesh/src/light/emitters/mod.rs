@@ -1,5 +1,5 @@
-//! The emitters of a scene: emissive meshes and spheres, punctual lights, which may be sphere lights, and the environment; and the
-//! point-like and directional samples that represent them.
+//! The emitters of a scene: emissive meshes and spheres, punctual lights, which may be sphere lights, and the
+//! environment; and the point-like and directional samples that represent them.
 //!
 //! | emitter | samples |
 //! |---|---|
@@ -7,9 +7,9 @@
 //! | emissive mesh, all its triangles together, or emissive sphere | N patches with cosine emission ([`AreaLights`]) |
 //! | environment | N directions, more where it is bright ([`EnvironmentLight`]) |
 //!
-//! Emission of weak emitters, no brighter than lit walls, is left to gather rays; so is that of user-defined shapes, which
-//! cannot be sampled. Double-sided surfaces shine from both sides, the others from their front. Unlit surfaces show and light
-//! nothing.
+//! Emission of weak emitters, no brighter than lit walls, is left to gather rays; so is that of user-defined shapes,
+//! which cannot be sampled. Double-sided surfaces shine from both sides, the others from their front. Unlit surfaces
+//! show and light nothing.
 
 mod area;
 mod environment;
@@ -117,8 +117,8 @@ impl Emitters {
     }
 }
 
-/// Returns the luminous flux of punctual lights, lumen: 4π I, 2π I (1 − cos outer), and that of a directional light through the scene's
-/// box.
+/// Returns the luminous flux of punctual lights, lumen: 4π I, 2π I (1 − cos outer), and that of a directional light
+/// through the scene's box.
 fn punctual_flux(lights: &[Light], bounds: &Aabb) -> f64 {
     use std::f64::consts::PI;
     let flux = |light: &Light| {

@@ -1,9 +1,10 @@
-//! Sphere lights: punctual lights with a radius, as isotropic points in a ball that together look like a Lambertian sphere.
+//! Sphere lights: punctual lights with a radius, as isotropic points in a ball that together look like a Lambertian
+//! sphere.
 //!
-//! Points of density ∝ 1/√(R² − r²) in a ball of radius R project to a uniform disk from every side (Abel's transform of it is
-//! constant): far away the ball is the sphere of equal power, penumbras included. By Newton's shell theorem the irradiance
-//! vector outside the ball, I d/|d|³ summed over the points, is exactly that of one point in the middle, as a Lambertian sphere's
-//! is. Unlike patches on a sphere, no sample faces away, and each is a plain point light.
+//! Points of density ∝ 1/√(R² − r²) in a ball of radius R project to a uniform disk from every side (Abel's transform
+//! of it is constant): far away the ball is the sphere of equal power, penumbras included. By Newton's shell theorem
+//! the irradiance vector outside the ball, I d/|d|³ summed over the points, is exactly that of one point in the middle,
+//! as a Lambertian sphere's is. Unlike patches on a sphere, no sample faces away, and each is a plain point light.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,21 +1,21 @@
 //! Bounds on the error of representing the lights of a node by one light.
 //!
-//! Let F_i be the vector along which light i arrives at a receiver: its irradiance on a plane of normal n is max(0, n · F_i). For
-//! lights of a node and F of the light that stands for them, over all n the mean of
+//! Let F_i be the vector along which light i arrives at a receiver: its irradiance on a plane of normal n is max(0, n ·
+//! F_i). For lights of a node and F of the light that stands for them, over all n the mean of
 //!
 //! > | Σ max(0, n · F_i) − max(0, n · F) |  ≤  ¼ (Σ |F_i| − |Σ F_i| + |Σ F_i − F|),
 //!
-//! because max(0, x) is (x + |x|) / 2 and the mean of |n · v| is |v| / 2. Σ |F_i| / 4 is the mean irradiance itself: the bracket
-//! over Σ |F_i| is the relative error. With σ² the mean squared distance of the lights from their mean position, r the least distance
-//! between node and receivers, and g = 1 / r² (or 1 / (Const + r)), the first two terms are at most ½ g σ² / r² times the
-//! strength, and the last is at most, by Taylor's theorem about the mean position,
+//! because max(0, x) is (x + |x|) / 2 and the mean of |n · v| is |v| / 2. Σ |F_i| / 4 is the mean irradiance itself:
+//! the bracket over Σ |F_i| is the relative error. With σ² the mean squared distance of the lights from their mean
+//! position, r the least distance between node and receivers, and g = 1 / r² (or 1 / (Const + r)), the first two terms
+//! are at most ½ g σ² / r² times the strength, and the last is at most, by Taylor's theorem about the mean position,
 //!
 //! > ½ · 6 g σ² / r² + 2 g / r |mean position of a channel − mean position|.
 //!
-//! 2 and 6 are the largest first and second derivatives of d / r³ at r = 1, along any line; for d / r² they are 1 and 2. Those
-//! of patches are below the same numbers while A / π ≤ r² / 8 (1.98 and 5.9, largest of 30,000 random places). Normals and cones
-//! add terms of their own at the lines below. Kinks, where a patch turns its back or a cone ends, give errors of first order, ½ of
-//! the mean deviation times the change of slope.
+//! 2 and 6 are the largest first and second derivatives of d / r³ at r = 1, along any line; for d / r² they are 1
+//! and 2. Those of patches are below the same numbers while A / π ≤ r² / 8 (1.98 and 5.9, largest of 30,000 random
+//! places). Normals and cones add terms of their own at the lines below. Kinks, where a patch turns its back or a cone
+//! ends, give errors of first order, ½ of the mean deviation times the change of slope.
 
 use glam::Vec3;
 
@@ -64,8 +64,8 @@ fn attenuation(falloff: Falloff, r: f32) -> f32 {
 }
 
 impl LightTree {
-    /// Returns the distance of a node's mean position from `x`, metres, and the illuminance, R + G + B in lux, that would arrive at `x` if
-    /// all its lights shone towards it from there. The distance of directional lights is 1.
+    /// Returns the distance of a node's mean position from `x`, metres, and the illuminance, R + G + B in lux, that
+    /// would arrive at `x` if all its lights shone towards it from there. The distance of directional lights is 1.
     pub(crate) fn distance_and_illuminance(&self, node: u32, falloff: Falloff, x: Vec3) -> (f32, f32) {
         let node = &self.nodes[node as usize];
         if node.kind == Kind::Directional {
@@ -203,8 +203,8 @@ struct SpotView {
     g: f32,
 }
 
-/// The error of spots and ranges. First derivatives along a line, over r: of d / r³ 2, of the window 4, of the cone 2s with s its scale; second ones
-/// 6, 12 and 2s² + 6s, and twice the products of the first.
+/// The error of spots and ranges. First derivatives along a line, over r: of d / r³ 2, of the window 4, of the cone 2s
+/// with s its scale; second ones 6, 12 and 2s² + 6s, and twice the products of the first.
 fn spot_error(node: &Node, orientation: &Orientation, inv_range2: Extremes, view: &SpotView) -> f32 {
     let SpotView { ref edge, near, furthest, g } = *view;
     if near <= 0.0 {
@@ -228,9 +228,9 @@ fn spot_error(node: &Node, orientation: &Orientation, inv_range2: Extremes, view
     capped(g * error, node, g)
 }
 
-/// Bounds the cosines between any axis of a node and any direction from its lights to the receivers: by spheres around both boxes, and by
-/// the boxes along the axis, whichever is tighter. Of the boxes it
-/// follows that a ceiling is behind the emitters that hang below it.
+/// Bounds the cosines between any axis of a node and any direction from its lights to the receivers: by spheres around
+/// both boxes, and by the boxes along the axis, whichever is tighter. Of the boxes it follows that a ceiling is behind
+/// the emitters that hang below it.
 fn cosines(node: &Node, orientation: &Orientation, receivers: &Receivers, near: f32) -> Extremes {
     let spheres = cosines_of_spheres(node, orientation, receivers);
     // Distances along the axis; an axis of the cone is at most a chord away from it.

@@ -38,7 +38,8 @@ impl Leaf {
         }
     }
 
-    /// Turns a patch whose both sides shine to have its normal in the upper hemisphere: patches of opposite normals are alike.
+    /// Turns a patch whose both sides shine to have its normal in the upper hemisphere: patches of opposite normals are
+    /// alike.
     fn upright(mut self) -> Self {
         if let LightEmission::Patch { normal, back, .. } = &mut self.light.emission
             && *back != 0.0
@@ -122,8 +123,9 @@ impl LightTree {
     }
 }
 
-/// Partitions leaves at the middle of their widest extent, in place and in order, and returns how many are in the first part. Axes count
-/// too, as in Lightcuts (section 3.3): a right angle between them as much as half of the box's diagonal; empirical, as the paper's.
+/// Partitions leaves at the middle of their widest extent, in place and in order, and returns how many are in the first
+/// part. Axes count too, as in Lightcuts (section 3.3): a right angle between them as much as half of the box's
+/// diagonal; empirical, as the paper's.
 fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
     // Find the widest extent, of positions or of axes.
     let range = |of: fn(&Leaf) -> Vec3| {

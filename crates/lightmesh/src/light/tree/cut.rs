@@ -16,8 +16,8 @@ pub(crate) struct Refinement {
 pub(crate) struct Tolerance {
     /// The error allowed, as a part of all light that arrives.
     pub error: f32,
-    /// The standard deviation of the visibility of a cluster's lights from that of the one that gets the shadow ray: noise of so much
-    /// times the cluster's light, which counts as an error too. 0 where no shadow rays are traced.
+    /// The standard deviation of the visibility of a cluster's lights from that of the one that gets the shadow ray:
+    /// noise of so much times the cluster's light, which counts as an error too. 0 where no shadow rays are traced.
     pub shadows: f32,
 }
 
@@ -31,17 +31,19 @@ struct Entry {
 }
 
 impl LightTree {
-    /// Chooses the nodes that represent all lights at some receivers, in the order of their blocks, so that their errors sum up to at
-    /// most the part `error` of the light that arrives.
+    /// Chooses the nodes that represent all lights at some receivers, in the order of their blocks, so that their
+    /// errors sum up to at most the part `error` of the light that arrives.
     ///
-    /// Errors of directional lights all have one sign and are exact, not bounds: they are added as they are. Those of other lights have
-    /// both signs, and their bounds are for the worst position of each light and receiver: squares are added, as if they were independent
-    /// of each other. That is empirical; docs/many-lights.md has the measured errors. Added as they are, the bounds may sum up to √n times
-    /// as much, n the size of the cut. Noise of shadows is independent. Single lights have neither error nor noise: with `error` 0 the
-    /// cut is all lights that reach the receivers.
+    /// Errors of directional lights all have one sign and are exact, not bounds: they are added as they are. Those of
+    /// other lights have both signs, and their bounds are for the worst position of each light and receiver: squares
+    /// are added, as if they were independent of each other. That is empirical; docs/many-lights.md has the measured
+    /// errors. Added as they are, the bounds may sum up to √n times as much, n the size of the cut. Noise of shadows is
+    /// independent. Single lights have neither error nor noise: with `error` 0 the cut is all lights that reach the
+    /// receivers.
     ///
-    /// Nodes with more than their share of what is allowed, 1/n of the sum or of its square, are replaced by their children, until the
-    /// sum fits. While the front grows shares shrink: no node is refined that a cut with the least largest error would have kept.
+    /// Nodes with more than their share of what is allowed, 1/n of the sum or of its square, are replaced by their
+    /// children, until the sum fits. While the front grows shares shrink: no node is refined that a cut with the least
+    /// largest error would have kept.
     pub(crate) fn cut(
         &self,
         receivers: &Receivers,

@@ -1,17 +1,18 @@
 //! A hierarchy over light samples: clusters of lights that one light represents, with a bound on the error of that.
 //!
-//! After Walter et al., "Lightcuts: A Scalable Approach to Illumination" (SIGGRAPH 2005): a binary tree over the lights; a *cut*
-//! through it is a set of nodes that holds every light once. What differs:
+//! After Walter et al., "Lightcuts: A Scalable Approach to Illumination" (SIGGRAPH 2005): a binary tree over the
+//! lights; a *cut* through it is a set of nodes that holds every light once. What differs:
 //!
-//! - A cluster shines from the mean position of its lights, weighted by their strength, and not from one of them: the first order
-//!   of the error vanishes and the second can be bounded, as in Barnes and Hut's method (Nature 324, 1986).
-//! - Bounds are for boxes of receivers, so that all surface points of a region share a cut. They hold for the mean over all
-//!   normals (`bound.rs`), so that a region needs one cut whatever surfaces are in it.
-//! - A cut is refined until the sum of the bounds is below the part ε of all light that arrives (`cut.rs`). Lightcuts bounds each
-//!   cluster's error alone by ε of it, and does not bound the sum.
+//! - A cluster shines from the mean position of its lights, weighted by their strength, and not from one of them: the
+//!   first order of the error vanishes and the second can be bounded, as in Barnes and Hut's method (Nature 324, 1986).
+//! - Bounds are for boxes of receivers, so that all surface points of a region share a cut. They hold for the mean over
+//!   all normals (`bound.rs`), so that a region needs one cut whatever surfaces are in it.
+//! - A cut is refined until the sum of the bounds is below the part ε of all light that arrives (`cut.rs`). Lightcuts
+//!   bounds each cluster's error alone by ε of it, and does not bound the sum.
 //!
-//! There is a tree for each kind of light: isotropic points, patches that shine from one side, patches that shine from both, spots and
-//! ranges, directional lights. A node's strength is Σ_i (R + G + B) of its lights: errors are of all channels together.
+//! There is a tree for each kind of light: isotropic points, patches that shine from one side, patches that shine from
+//! both, spots and ranges, directional lights. A node's strength is Σ_i (R + G + B) of its lights: errors are of all
+//! channels together.
 
 pub(crate) mod bound;
 mod build;
@@ -66,7 +67,8 @@ struct Node {
     strength: f32,
     /// Mean squared distance from `mean`, weighted by strength, m².
     variance: f32,
-    /// Σ over channels of |Σ_i I_i (x_i − mean)|, cd m: the means of the channels differ. The whole error of directional lights, lux.
+    /// Σ over channels of |Σ_i I_i (x_i − mean)|, cd m: the means of the channels differ. The whole error of
+    /// directional lights, lux.
     chromatic_error: f32,
     /// The first of its two children, the other follows; 0: a leaf.
     child: u32,
@@ -142,7 +144,8 @@ struct ChosenLeaf {
 }
 
 impl LightTree {
-    /// Returns the memory that building the trees over some samples takes, bytes: two nodes for each light, and the lights once more.
+    /// Returns the memory that building the trees over some samples takes, bytes: two nodes for each light, and the
+    /// lights once more.
     pub(crate) fn bytes(samples: &LightSamples) -> u64 {
         let node = size_of::<Node>() + size_of::<SampledLight>() + size_of::<Orientation>();
         (samples.len() * (2 * node + size_of::<SampledLight>() + 32)) as u64
@@ -153,7 +156,8 @@ impl LightTree {
         self.lanes.len()
     }
 
-    /// Fills `lights` with the representatives of a cut's nodes, and `nodes` with the node of each lane, [`LightTree::NO_NODE`] for padding.
+    /// Fills `lights` with the representatives of a cut's nodes, and `nodes` with the node of each lane,
+    /// [`LightTree::NO_NODE`] for padding.
     pub(crate) fn pack(&self, cut: &[u32], lights: &mut LightSamples, nodes: &mut Vec<u32>) {
         lights.clear();
         nodes.clear();
@@ -184,7 +188,8 @@ impl LightTree {
         (node.max - position).max(position - node.min).length()
     }
 
-    /// Chooses one of a node's samples in proportion to strength, by `u` in [0, 1). Returns its lane and its probability.
+    /// Chooses one of a node's samples in proportion to strength, by `u` in [0, 1). Returns its lane and its
+    /// probability.
     pub(crate) fn choose(&self, node: u32, u: f32) -> (usize, f32) {
         let ChosenLeaf { leaf, before, after } = self.find_leaf(node, u);
         let probability = (self.sums[leaf] - if leaf > 0 { self.sums[leaf - 1] } else { 0.0 }) / (after - before);

@@ -54,8 +54,8 @@ impl Node {
             return (node, representative);
         }
         if kind == Kind::Directional {
-            // Along its direction a cluster is exact. The error is the light of each channel across it, and that of lights which face a
-            // surface whose back the cluster faces: 1 − |mean| (`bound.rs`).
+            // Along its direction a cluster is exact. The error is the light of each channel across it, and that of
+            // lights which face a surface whose back the cluster faces: 1 − |mean| (`bound.rs`).
             let axis = mean.normalize_or(position(&leaves[0]));
             let sums = CHANNELS.map(|channel| sum(leaves, |leaf| position(leaf) * channel(leaf)));
             let lost = CHANNELS.iter().zip(sums).map(|(channel, across)| {
@@ -79,7 +79,8 @@ impl Node {
     }
 }
 
-/// Returns the orientation of some leaves, and their representative with its final emission; `None` where the kind has no axes.
+/// Returns the orientation of some leaves, and their representative with its final emission; `None` where the kind has
+/// no axes.
 pub(super) fn orientation(
     kind: Kind,
     leaves: &[Leaf],
