@@ -57,7 +57,7 @@ impl IndirectField {
         paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(points.len());
-        if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_gathered_emitters()) {
+        if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_unsampled_emitters()) {
             irradiance.resize(points.len(), Vec3::ZERO);
             return Ok(irradiance);
         }

@@ -313,7 +313,7 @@ impl<'a> PathTracer<'a> {
     /// Adds the mean of [`SPLITS`] paths that leave a point on the first diffuse surface with this throughput.
     fn split(&mut self, point: &ShadingPoint, beta: Vec3, sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..SPLITS {
-            let mut sampler = sampler.branch(branch, SPLITS);
+            let mut sampler = sampler.split(branch, SPLITS);
             let (ray, pdf) = sample_bounce(point, &mut sampler);
             self.rays.gather += 1;
             let (path, origin) = (PathRay::new(ray, Cone::POINT), RayOrigin::Bsdf { pdf });
