@@ -142,7 +142,8 @@ impl<'a> RegionVisibility<'a> {
             leaves.push((lane as u32, tree.leaves(node)));
             // Expect some light of a cluster wherever it may arrive.
             if !tree.is_single(node) {
-                let (radius, (r, arriving)) = (tree.radius(node), tree.facing(node, *falloff, centre));
+                let (radius, (r, arriving)) =
+                    (tree.radius(node), tree.distance_and_illuminance(node, *falloff, centre));
                 least[lane] = LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0);
                 radii[lane] = radius;
             }

@@ -75,7 +75,7 @@ impl LightMesh {
         };
 
         // Make the meshes that the method uses.
-        let has_indirect = options.method.has_mesh() && (options.bounces > 0 || scene.has_gathered_emitters());
+        let has_indirect = options.method.has_mesh() && (options.bounces > 0 || scene.has_unsampled_emitters());
         let indirect = match has_indirect {
             true => Some(lattices("indirect-spacing", options.indirect_spacing, indirect_auto)?),
             false => None,

@@ -19,7 +19,7 @@ pub(crate) const ONES: [Vec4; 16] = {
     ones
 };
 
-/// The corners of a mask, ascending.
+/// Returns the corners of a mask, ascending.
 #[inline(always)]
 pub(crate) fn corners_of(mask: u8) -> impl Iterator<Item = usize> + Clone {
     sampling::set_bits::<8>(mask)
