@@ -27,7 +27,7 @@ from ray.cluster_utils import Cluster
 
 from lightmesh import Scene
 from lightmesh.cluster import render, worker
-from lightmesh.cluster.folder import JobFolder
+from lightmesh.cluster.job_store import JobStore
 from lightmesh.cluster.ray_backend import RayExecutor
 from lightmesh.cluster.task import Outcome, Shared, Task
 
@@ -59,7 +59,7 @@ def seconds_to_keep() -> float:
     """Processor time of this process for the result of a wave of 8192 pixels that goes into a job folder."""
     task, result = Task("waves", "", "waves-0", (), 1, 1), {"values": numpy.zeros(8192 * 3, numpy.float32)}
     with tempfile.TemporaryDirectory() as path:
-        folder = JobFolder(Path(path))
+        folder = JobStore(Path(path))
         started = time.process_time()
         for _ in range(200):
             folder.write(task, result)

@@ -14,7 +14,7 @@ from typing import Any
 
 from lightmesh._native import Camera, Image, LightMesh, Scene, _option_defaults
 from lightmesh.cluster import bake, render_frames
-from lightmesh.cluster.cuts import TASKS_PER_WORKER
+from lightmesh.cluster.partition import TASKS_PER_WORKER
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
 from lightmesh.cluster.local import LocalExecutor
 from lightmesh.errors import Error, MemoryLimitError, OptionError, SceneError

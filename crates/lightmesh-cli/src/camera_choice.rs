@@ -1,9 +1,9 @@
-//! Which camera takes the picture.
+//! Chooses the camera of a picture.
 
 use lightmesh::{Camera, SceneData};
 
-/// The camera that `wanted` names (by name first, then by index), or the first; one that frames the scene, and a warning,
-/// where the file has none.
+/// Returns the camera that `wanted` names (by name first, then by index), or the first one. If the file has none,
+/// returns a camera that frames the scene, and a warning.
 ///
 /// # Errors
 /// If there is no such camera; says which there are.

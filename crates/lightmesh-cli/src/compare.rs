@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::{args::CompareArgs, exit::Failure, terminal};
 
-/// What is printed.
+/// The result, as it is printed.
 #[derive(Debug, Serialize)]
 struct Comparison {
     relrmse: f64,
@@ -49,8 +49,8 @@ pub(crate) fn run(args: &CompareArgs) -> Result<(), Failure> {
     terminal::print(&text).map_err(Failure::work)
 }
 
-/// The mean FLIP error, 0 to 1, of `a` to the reference `b`: what light of a scene is shown as `render` writes a PNG, exposed as the
-/// reference would be.
+/// The mean FLIP error, 0 to 1, of `a` to the reference `b`: what light of a scene is shown as `render` writes a PNG,
+/// exposed as the reference would be.
 ///
 /// # Panics
 /// If their sizes differ.

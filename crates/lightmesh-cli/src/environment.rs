@@ -5,7 +5,7 @@ use lightmesh::{Environment, SceneData, soft_environment};
 
 use crate::args::{EmitterArgs, EnvironmentArg};
 
-/// What `--environment` names, read; `None` where it is not given. Warnings go to `warn`.
+/// Reads the environment that `--environment` names; `None` if it is not given. Warnings go to `warn`.
 ///
 /// # Errors
 /// What [`lightmesh_io::read_environment`] says of a map.
@@ -26,8 +26,8 @@ pub fn read(
     Ok(Some(Environment { map, radiance, world_from_map: Quat::IDENTITY }))
 }
 
-/// Gives the scene the environment that was asked for; else leaves it its own; else, where nothing shines, a soft one. Then
-/// strength and rotation. Returns what there is to warn about.
+/// Sets the environment of a scene: the one that the user chose, else the scene's own, else a soft one if nothing else
+/// shines. Then applies strength and rotation. Returns warnings.
 pub fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &EmitterArgs) -> Vec<String> {
     let mut warnings = Vec::new();
     if asked_for.is_some() {
@@ -50,7 +50,7 @@ pub fn apply(data: &mut SceneData, asked_for: Option<Environment>, args: &Emitte
     warnings
 }
 
-/// Whether a surface of the scene emits light.
+/// Returns whether a surface of the scene emits light.
 fn emits(data: &SceneData) -> bool {
     let meshes = data.instances.iter().filter_map(|i| data.meshes.get(i.mesh)).map(|mesh| mesh.material);
     let spheres = data.spheres.iter().map(|sphere| sphere.material);

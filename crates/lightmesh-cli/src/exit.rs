@@ -9,7 +9,7 @@ use crate::terminal;
 /// Why the program stops early.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// What the user gave cannot be used: exit code 2.
+    /// The input or an argument cannot be used: exit code 2.
     Input(anyhow::Error),
     /// The input was good and the work failed: exit code 1.
     Work(anyhow::Error),
@@ -31,7 +31,7 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// What it is, in one line with its chain of causes.
+    /// Returns the message in one line, with its chain of causes.
     pub(crate) fn message(&self) -> String {
         match self {
             Self::Input(error) | Self::Work(error) => format!("{error:#}"),
@@ -51,7 +51,7 @@ impl Failure {
     }
 }
 
-/// Everything that the core refuses is the user's to change; cancelling is the user's wish.
+/// The user can change everything that the core refuses, so it counts as input; cancelling is the user's wish.
 impl From<lightmesh::Error> for Failure {
     fn from(error: lightmesh::Error) -> Self {
         match error {

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{args::InfoArgs, exit::Failure, terminal};
 
-/// What a scene file holds.
+/// The contents of a scene file.
 #[derive(Debug, Serialize)]
 struct Info {
     scene: String,
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     terminal::print(&text).map_err(Failure::work)
 }
 
-/// Counts everything.
+/// Counts everything in a scene.
 fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
     let data = scene.data();
     let bounds = scene.bounds();
@@ -150,6 +150,7 @@ fn camera(index: usize, camera: &Camera) -> CameraInfo {
 /// The text form: one fact per line.
 fn describe(info: &Info) -> String {
     let Info { triangles, lights, .. } = info;
+    // Describe what every scene has.
     let mut lines = vec![
         info.scene.clone(),
         format!("triangles  {} ({} with instances)", triangles.unique, triangles.instanced),
@@ -158,6 +159,7 @@ fn describe(info: &Info) -> String {
         format!("lights     {} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
         format!("box        {} to {}, {} m", triple(info.r#box.min), triple(info.r#box.max), triple(info.r#box.size)),
     ];
+    // Describe what only some scenes have.
     if info.spheres > 0 {
         lines.push(format!("spheres    {}", info.spheres));
     }

@@ -18,12 +18,12 @@ use crate::exit::INTERRUPTED;
 static PRESSED: AtomicBool = AtomicBool::new(false);
 /// Files to remove where the program ends by the watchdog.
 static TEMPORARIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-/// What the work gets to end by itself. A second in all is the promise.
+/// How long the work has to end by itself. The whole program ends within a second.
 const GRACE: Duration = Duration::from_millis(600);
 
-/// Listens for Ctrl-C (and SIGTERM). The first asks the work to stop, and ends the program itself after a grace, where a
-/// reader or writer does not listen; the second ends it at once. Where the system has no signals to listen to, nothing is
-/// done: its own way of ending a program stays.
+/// Listens for Ctrl-C (and SIGTERM). The first signal asks the work to stop; if a reader or writer does not listen, the
+/// program ends after a grace period. The second signal ends the program at once. On a system without signals this does
+/// nothing.
 pub(crate) fn listen() {
     let _ = ctrlc::set_handler(|| {
         if PRESSED.swap(true, Ordering::Relaxed) {
@@ -37,7 +37,7 @@ pub(crate) fn listen() {
     });
 }
 
-/// Whether the work should stop.
+/// Returns whether the work should stop.
 pub(crate) fn pressed() -> bool {
     PRESSED.load(Ordering::Relaxed)
 }

@@ -1,4 +1,5 @@
-//! The options of `render` by name and value, as programs give them: parsed, with their ranges and defaults, as on the command line.
+//! The options of `render` by name and value, as programs give them: parsed, with their ranges and defaults, as on the
+//! command line.
 
 use std::error::Error as _;
 use std::ffi::OsString;
@@ -12,7 +13,7 @@ use lightmesh_io::LoadOptions;
 use crate::args::{Cli, Command, EmitterArgs, RenderArgs};
 use crate::camera_choice::height_for;
 
-/// What the command line alone has: its files, and what it says.
+/// Options that only the command line has: its files and its messages.
 const FILES: [&str; 9] = ["output", "exposure", "half", "preview", "stats", "mesh", "save-mesh", "quiet", "help"];
 
 /// An option that programs may choose.
@@ -20,7 +21,8 @@ const FILES: [&str; 9] = ["output", "exposure", "half", "preview", "stats", "mes
 pub struct Keyword {
     /// Its name, with underscores.
     pub name: String,
-    /// Its value where none is given, as the command line spells it; `None` where that depends on others, or is nothing.
+    /// Its value where none is given, as the command line spells it; `None` where that depends on others, or is
+    /// nothing.
     pub default: Option<String>,
 }
 
@@ -86,12 +88,12 @@ impl Keywords {
         self.0.camera.as_deref()
     }
 
-    /// How many threads, where that is given.
+    /// Returns the number of threads, if it was given.
     pub fn threads(&self) -> Option<usize> {
         self.0.threads.map(|threads| threads as usize)
     }
 
-    /// How a scene file is read.
+    /// Returns the options of reading a scene file.
     pub fn load_options(&self) -> LoadOptions {
         self.0.load_options()
     }
@@ -102,7 +104,7 @@ impl Keywords {
 pub struct KeywordError {
     /// Its name, with underscores.
     pub name: String,
-    /// What is wrong with it, with the value that was given.
+    /// The problem, with the value that was given.
     pub what: String,
 }
 

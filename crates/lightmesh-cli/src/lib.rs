@@ -1,5 +1,5 @@
-//! The `lightmesh` program, and what other faces of the library share with it: options by their names, with their spellings, ranges
-//! and defaults, the choice of a camera, light from all sides, and what is said about a finished picture.
+//! The `lightmesh` program, and the parts that other interfaces of the library share with it: options by name, with
+//! their spellings, ranges and defaults, the choice of a camera, environments, and statistics of finished pictures.
 
 #![forbid(unsafe_code)]
 
@@ -38,8 +38,8 @@ pub use crate::{
 /// Name and version of the program, as picture files carry it.
 pub const SOFTWARE: &str = concat!("lightmesh ", env!("CARGO_PKG_VERSION"));
 
-/// Runs the program with these arguments, its own name first, and returns its exit code: 0 done; 1 failed while working; 2 bad input
-/// or usage; 130 interrupted. It may end the process itself, after Ctrl-C.
+/// Runs the program with these arguments, its own name first, and returns its exit code: 0 done; 1 failed while
+/// working; 2 bad input or usage; 130 interrupted. It may end the process itself, after Ctrl-C.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

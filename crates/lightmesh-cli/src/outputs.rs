@@ -15,7 +15,7 @@ use lightmesh_io::{
 
 use crate::{args::RenderArgs, exit::Failure, interrupt};
 
-/// Where pictures, statistics and the mesh go, checked before any work is done.
+/// The output files for pictures, statistics and the mesh, checked before any work is done.
 #[derive(Debug)]
 pub(crate) struct Outputs {
     pictures: Vec<(PathBuf, Format)>,
@@ -44,12 +44,12 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Whether any picture needs an exposure.
+    /// Returns whether any picture needs an exposure.
     pub(crate) fn has_png(&self) -> bool {
         self.pictures.iter().any(|(_, format)| *format == Format::Png)
     }
 
-    /// Whether any picture can have layers.
+    /// Returns whether any picture can have layers.
     pub(crate) fn has_exr(&self) -> bool {
         self.pictures.iter().any(|(_, format)| *format == Format::Exr)
     }

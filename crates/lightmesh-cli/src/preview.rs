@@ -15,10 +15,11 @@ use lightmesh_io::output::{Metadata, StagedFile, write_png};
 
 use crate::{args::Exposure, exit::Failure, interrupt, outputs, progress::Bar};
 
-/// From the end of one writing to the next picture, at least.
+/// The least time from the end of writing one preview to the next one.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// The same in times what the writing took, which is some 0.1 s of one core per million pixels: a tenth of its time at most.
+/// The least pause, as a multiple of the time that writing took, so that one core spends a tenth of its time on
+/// previews at most. Writing takes some 0.1 s per million pixels.
 const PAUSE: u32 = 9;
 
 /// The file, and how pictures are shown in it: as in any PNG that `render` writes.
@@ -30,8 +31,8 @@ pub(crate) struct Preview<'a> {
 }
 
 impl Preview<'_> {
-    /// Does `work` with a progress that shows on `bar` and lets its pictures be written, by a thread of their own; they are
-    /// when this returns. Of failures to write them the first is handed to `warn`.
+    /// Runs `work` with a progress that shows on `bar`, while another thread writes the pictures so far. When this
+    /// returns, the last of them is written. The first failure to write one goes to `warn`.
     pub(crate) fn follow<T>(&self, bar: &Bar, warn: impl Fn(&str) + Send, work: impl FnOnce(&dyn Progress) -> T) -> T {
         let due = Mutex::new(Due::Now);
         let (pictures, received) = mpsc::sync_channel(1);

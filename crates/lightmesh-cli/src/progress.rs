@@ -20,8 +20,8 @@ pub(crate) struct Bar {
 }
 
 impl Bar {
-    /// A bar, or nothing but the way for Ctrl-C where stderr is no terminal or `quiet` is set. With a time limit it shows how
-    /// much of the time is over, not of the samples.
+    /// Makes a bar. If stderr is no terminal or `quiet` is set, nothing is shown, and it only passes on Ctrl-C. With a
+    /// time limit the bar shows how much of the time is over, instead of the samples.
     pub(crate) fn new(quiet: bool, time_limit: Option<Duration>) -> Self {
         let bar =
             if quiet || !std::io::stderr().is_terminal() { ProgressBar::hidden() } else { ProgressBar::new_spinner() };

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, anyhow};
 use lightmesh::{Camera, Environment, LightMesh, Progress, RenderOptions, RenderStats, Scene, SceneData};
 use lightmesh_io::{
-    MeshFile,
+    MeshFile, Provenance,
     output::{Metadata, Precision},
 };
 
@@ -49,6 +49,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             return Err(Failure::Input(anyhow!("--{option}: --method {method} has no light mesh")));
         }
     }
+
+    // Listen to Ctrl-C, and start the threads.
     interrupt::listen();
     if let Some(threads) = args.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
@@ -79,7 +81,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let build = build_start.elapsed();
     scene.warnings().iter().chain(&warnings).for_each(|w| warn(w));
 
-    // Render.
+    // Set up the picture and its light mesh, new or as the file has it.
     if args.size.is_none() {
         options.height = camera_choice::height_for(&camera, options.width);
     }
@@ -98,6 +100,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => LightMesh::new(&scene, &options)?,
         Some((path, file)) => file.into_mesh(path, &scene, &options).map_err(Failure::input)?,
     };
+
+    // Render, with a preview if one is wanted.
     let mut render =
         |progress: &dyn Progress| lightmesh::render(&scene, &metadata.camera, &options, &mut mesh, progress);
     let frame = match &args.preview {
@@ -118,8 +122,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let ev = args.exposure.for_picture(&frame.image);
     let precision = if args.half { Precision::Half } else { Precision::Single };
     let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
-    let mesh_file = outputs
-        .stage_mesh(|| MeshFile::new(&scene, &options, &mesh, (SOFTWARE, &metadata.method, &metadata.settings)))?;
+    let provenance = Provenance { software: SOFTWARE, method: &metadata.method, settings: &metadata.settings };
+    let mesh_file = outputs.stage_mesh(|| MeshFile::new(&scene, &options, &mesh, provenance))?;
     let stats = Stats::new(metadata.scene, &scene, &options, &frame.stats);
     let stats = stats.with_seconds(load, build, output_start.elapsed(), start.elapsed());
     let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;
@@ -127,6 +131,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     stop_if_interrupted()?;
     outputs::commit(pictures.into_iter().chain(mesh_file).chain(stats_file))?;
 
+    // Report the files, the time and the quality.
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
         let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
@@ -158,7 +163,7 @@ fn check_memory(args: &RenderArgs, options: &RenderOptions) -> Result<(), Failur
     Ok(())
 }
 
-/// How many samples a time limit allowed.
+/// Describes how many samples a time limit allowed.
 fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     let seconds = limit.as_secs_f64();
     match stats.time_limit_reached {
@@ -167,7 +172,7 @@ fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     }
 }
 
-/// How far the light is from the truth, as far as that is known.
+/// Describes the estimated error of the light, beside the bound that was asked for.
 fn estimate(bound: f32, estimate: Option<f64>) -> String {
     match estimate {
         Some(0.0) => "every light is traced at every hit: the light is exact".into(),
@@ -180,7 +185,7 @@ fn estimate(bound: f32, estimate: Option<f64>) -> String {
     }
 }
 
-/// What is known of the light that more bounces would bring.
+/// Describes the light that more bounces would add; `None` if nothing is known of it.
 fn left_out(bounces: u32, part: Option<f64>) -> Option<String> {
     let part = part.filter(|_| bounces > 0)?;
     Some(format!("{bounces} bounce(s) leave out about {:.1}% of the light", 100.0 * part))

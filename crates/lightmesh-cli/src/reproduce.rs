@@ -13,11 +13,14 @@ use crate::{interrupt, terminal};
 
 /// Runs the experiments and says what became of the paper's claims.
 pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
+    // Listen to Ctrl-C, and start the threads.
     interrupt::listen();
     if let Some(threads) = args.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
         pool.build_global().context("threads").map_err(Failure::Work)?;
     }
+
+    // Run the experiments.
     let bar = Bar::new(args.quiet);
     let options = Options { quick: args.quick, force: args.force, only: args.only.clone() };
     let report = reproduce(&args.output, &options, &bar);
@@ -28,6 +31,8 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
         Error::File(_) | Error::Io { .. } => Failure::input(error),
         _ => Failure::work(error),
     })?;
+
+    // Sum up the verdicts.
     if !args.quiet {
         let claims: Vec<_> = report.sections.iter().flat_map(|section| &section.claims).collect();
         let count = |verdict| claims.iter().filter(|claim| claim.verdict == verdict).count();

@@ -24,16 +24,16 @@ pub struct Stats {
     rays: RayStats,
     mesh: MeshesStats,
     fallbacks: FallbackStats,
-    /// What more bounces would add, as a part of all light; `null` where nothing is known of it.
+    /// The light that more bounces would add, as a fraction of all light; `null` if it is unknown.
     energy_left_out: Option<f64>,
-    /// Where `--error` asked for one; 0: the light is exact.
+    /// The estimated error, with `--error`; 0 means that the light is exact.
     estimated_error: Option<f64>,
     peak_memory_bytes: u64,
 }
 
 impl Stats {
-    /// What is known of a finished frame of the scene with this name, taken in the current thread pool; the seconds around the
-    /// render are still 0.
+    /// Collects the statistics of a finished frame of the scene with this name, rendered in the current thread pool.
+    /// The seconds before and after the render are still 0.
     pub fn new(name: String, scene: &Scene, options: &RenderOptions, frame: &RenderStats) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -64,7 +64,7 @@ impl Stats {
     }
 }
 
-/// What measuring with meters took, or filling a mesh ahead: the part of [`Stats`] that has no picture in it.
+/// Statistics of measuring with meters, or of filling a mesh ahead: the part of [`Stats`] without a picture.
 #[derive(Debug, Serialize)]
 pub struct WorkStats {
     version: &'static str,
@@ -80,7 +80,7 @@ pub struct WorkStats {
 }
 
 impl WorkStats {
-    /// Of work in the current thread pool.
+    /// Collects the statistics of work in the current thread pool.
     pub fn new(options: &RenderOptions, work: &RenderStats) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -101,7 +101,7 @@ impl WorkStats {
 struct ImageStats {
     width: u32,
     height: u32,
-    /// Those that every pixel has.
+    /// Samples that every pixel has.
     spp: u32,
 }
 
@@ -162,7 +162,7 @@ pub struct MeshesStats {
 }
 
 impl MeshesStats {
-    /// Those of a light mesh as it is.
+    /// Collects the statistics of a light mesh.
     pub fn of(mesh: &LightMesh) -> Self {
         Self { direct: mesh.stats().into(), indirect: mesh.indirect_stats().into() }
     }
@@ -187,7 +187,7 @@ impl From<&RenderStats> for FallbackStats {
     }
 }
 
-/// One mesh.
+/// Statistics of one mesh, direct or indirect.
 #[derive(Debug, Serialize)]
 struct OneMeshStats {
     spacing_m: f64,

@@ -23,7 +23,7 @@ pub(crate) fn warning(message: &str) {
     line("warning", message);
 }
 
-/// What was done, in one line on stderr.
+/// Prints one line about what was done to stderr.
 pub(crate) fn note(message: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", flat(message));
 }

@@ -1,8 +1,8 @@
 //! Rays per second of our kernel and of Embree 4, one thread, the same rays, runs interleaved.
 //!
 //! `cargo bench -p lightmesh-io --bench embree [-- SCENE.glb]`; the scene defaults to `../shared/scenes/sponza_25.glb`.
-//! Embree is `libembree4` at `LIGHTMESH_EMBREE`, or the one in the Python package `embreex`. Without scene or Embree the
-//! program says so and ends.
+//! Embree is `libembree4` at `LIGHTMESH_EMBREE`, or the one in the Python package `embreex`. Without scene or Embree
+//! the program says so and ends.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
@@ -67,8 +67,8 @@ fn compare(scene: &BenchScene, embree: &Embree) -> Result<(), String> {
     println!("{:10} {:>9} {:>12}   ours / Embree", "rays", "count", "ours Mray/s");
     for workload in rays::workloads(scene, &bvh) {
         check(&workload, &bvh, &opponents[2].1);
-        // Each run sums, per contestant, the times of all chunks; contestants take turns at each chunk, so that whatever
-        // else the machine does falls on all alike.
+        // Each run sums, per contestant, the times of all chunks; contestants take turns at each chunk, so that
+        // whatever else the machine does falls on all alike.
         let mut times = vec![Vec::new(); 1 + opponents.len()];
         for _ in 0..RUNS {
             let mut sums = vec![Duration::ZERO; times.len()];

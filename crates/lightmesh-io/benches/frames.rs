@@ -1,8 +1,9 @@
 //! Where the time of a frame goes, for each method beside standard tracing, runs interleaved.
 //!
 //! `cargo bench -p lightmesh-io --bench frames [-- SCENE.glb]`; the scene defaults to `scenes/room_15.glb`. All cores,
-//! 800 × 800, one sample per pixel, direct light. Medians; ratios are of medians. A second frame finds the mesh filled. The operations:
-//! a camera ray with what it hits, a mesh point, and the light of a hit (reading the mesh, shadow rays, sums, adding to the picture).
+//! 800 × 800, one sample per pixel, direct light. Medians; ratios are of medians. A second frame finds the mesh filled.
+//! The operations: a camera ray with what it hits, a mesh point, and the light of a hit (reading the mesh, shadow rays,
+//! sums, adding to the picture).
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 

@@ -1,9 +1,11 @@
-//! Seconds per frame by the number of lights: the mesh with clusters of lights, the mesh with every light, standard tracing.
+//! Seconds per frame by the number of lights: the mesh with clusters of lights, the mesh with every light, standard
+//! tracing.
 //!
-//! `cargo bench -p lightmesh-io --bench many_lights [-- --write]`. The room of `scenes/room_100.glb` with 10 to 100,000 point lights of
-//! constant total power, spread over all of it; 800 × 800, one sample per pixel, direct light, spacing 1/40, all cores. The fastest of five
-//! first frames, so that other work of the machine counts little; what takes longer than ten seconds is run once, and slow methods end early. Prints the table of
-//! docs/many-lights.md and writes `target/many_lights.csv`; with `--write` also the plot, docs/images/many-lights.svg.
+//! `cargo bench -p lightmesh-io --bench many_lights [-- --write]`. The room of `scenes/room_100.glb` with 10 to 100,000
+//! point lights of constant total power, spread over all of it; 800 × 800, one sample per pixel, direct light, spacing
+//! 1/40, all cores. The fastest of five first frames, so that other work of the machine counts little; what takes
+//! longer than ten seconds is run once, and slow methods end early. Prints the table of docs/many-lights.md and writes
+//! `target/many_lights.csv`; with `--write` also the plot, docs/images/many-lights.svg.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 

@@ -27,12 +27,12 @@ pub(crate) enum Refusal {
     Unreadable {
         /// The path that was looked for.
         target: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         cause: io::Error,
     },
 }
 
-/// What to do about [`Refusal::Outside`].
+/// The advice for [`Refusal::Outside`].
 pub(crate) const OUTSIDE: &str = "leaves the scene's folder; put the file beside the scene or pass --allow-outside";
 
 /// Opens the file that a scene in `folder` calls `name`: a path with slashes or, as Windows exporters write them,
@@ -75,7 +75,7 @@ impl Beside {
     }
 }
 
-/// Whether a relative path, as written, never climbs above its start.
+/// Returns whether a relative path, as written, never climbs above its start.
 fn stays_inside(path: &Path) -> bool {
     let mut depth = 0_i64;
     path.components().all(|component| {

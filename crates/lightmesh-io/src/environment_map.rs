@@ -23,14 +23,14 @@ pub struct EnvironmentMap {
     pub warnings: Vec<String>,
 }
 
-/// Reads a latitude-longitude map: Radiance (`.hdr`) or OpenEXR (`.exr`, channels R G B or Y), by its extension. Its middle
-/// is +X, its top +Y. Texels that are negative or no number become 0, infinite ones 65504, with a warning.
+/// Reads a latitude-longitude map: Radiance (`.hdr`) or OpenEXR (`.exr`, channels R G B or Y), by its extension. Its
+/// middle is +X, its top +Y. Texels that are negative or no number become 0, infinite ones 65504, with a warning.
 ///
 /// At most about `max_memory` bytes are allocated, after the header was held against the file's length.
 ///
 /// # Errors
-/// If the extension is another; if the file is missing, damaged or cut off, has no colour, more than 2²⁸ pixels, or needs
-/// more memory than that.
+/// If the extension is another; if the file is missing, damaged or cut off, has no colour, more than 2²⁸ pixels, or
+/// needs more memory than that.
 pub fn read_environment(path: &Path, max_memory: u64) -> Result<EnvironmentMap, Error> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let read = match extension.as_str() {
@@ -49,6 +49,7 @@ pub fn read_environment(path: &Path, max_memory: u64) -> Result<EnvironmentMap, 
 /// Makes every texel a radiance.
 fn mend(name: String, image: Image) -> EnvironmentMap {
     let Image { width, height, pixels } = image;
+    // Replace values that are no radiance.
     let (mut dark, mut infinite) = (Mended::default(), Mended::default());
     let mut texels = Vec::with_capacity(pixels.len());
     for (i, pixel) in pixels.into_iter().enumerate() {
@@ -63,6 +64,7 @@ fn mend(name: String, image: Image) -> EnvironmentMap {
         texels.push([r, g, b, 1.0]);
     }
 
+    // Warn of what was replaced, and of what looks odd.
     let mut warnings = Warnings::default();
     let mut warn = |mended: Mended, message: &str| {
         if let Some(first) = mended.first {
@@ -80,7 +82,7 @@ fn mend(name: String, image: Image) -> EnvironmentMap {
     EnvironmentMap { map, warnings: warnings.into_sentences() }
 }
 
-/// How many texels were mended, and the first.
+/// The number of texels that were mended, and the first of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mended {
     first: Option<usize>,

@@ -1,4 +1,4 @@
-//! What can go wrong with files.
+//! Errors of reading and writing files.
 
 use std::fmt::Display;
 use std::io;
@@ -193,7 +193,7 @@ pub enum Error {
         /// What differs.
         what: String,
     },
-    /// What a mesh file says does not fit the scene.
+    /// The contents of a mesh file do not fit the scene.
     #[error("{file}: {cause}")]
     Mesh {
         /// The file.

@@ -13,8 +13,8 @@ use crate::picture_file::PictureFile;
 
 /// The most channels, in all layers.
 const MAX_CHANNELS: usize = 1024;
-/// How many times its length an EXR can hold in samples. Its densest compression, PXR24, deflates (1032 to 1) three of
-/// four bytes: 1376, rounded up.
+/// The most bytes of samples that an EXR can hold per byte of its length. Its densest compression, PXR24, deflates
+/// (1032 to 1) three of four bytes: 1376, rounded up.
 const EXPANSION: u64 = 2048;
 
 /// Reads the first layer that has colour (R, G, B), else the first that has luminance (Y); alpha is left out. What is
@@ -49,17 +49,19 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
             image.layer_data.iter().flat_map(|l| &l.channel_data.list).map(|c| c.name.to_string()).collect();
         file.invalid(format_args!("has neither channels R, G, B nor Y, but {}", names.join(", ")))
     })?;
+
+    // Convert its samples to 32-bit floats.
     let pixels =
         r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
     Ok(Image { width: size.x() as u32, height: size.y() as u32, pixels })
 }
 
-/// What headers announce.
+/// The sizes that headers announce.
 #[derive(Clone, Copy, Debug)]
 struct Announced {
-    /// In all layers and channels.
+    /// Bytes of the samples of all layers and channels.
     sample_bytes: u64,
-    /// Pixels.
+    /// Pixels of the largest layer.
     largest_layer: u64,
 }
 
@@ -90,7 +92,7 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
     Ok(announced)
 }
 
-/// The samples of a channel that has one per pixel.
+/// Returns the samples of a channel; `None` if it has not one per pixel.
 fn full_channel<'a>(channels: &'a AnyChannels<FlatSamples>, name: &str) -> Option<&'a FlatSamples> {
     channels.list.iter().find(|c| c.name == *name && c.sampling == exr::prelude::Vec2(1, 1)).map(|c| &c.sample_data)
 }

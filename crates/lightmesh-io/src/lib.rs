@@ -3,8 +3,8 @@
 //! [`load`] reads a scene file into a [`lightmesh::SceneData`]. What comes out has been checked: every index is in
 //! range, every number is finite, and no file can make the reader panic or take more memory than
 //! [`LoadOptions::max_memory`].
-//! [`output`] writes pictures, [`read_picture`] reads them back, [`read_environment`] reads maps of light from all sides.
-//! [`write_mesh`] and [`read_mesh`] keep what a light mesh knows.
+//! [`output`] writes pictures, [`read_picture`] reads them back, [`read_environment`] reads maps of light from all
+//! sides. [`write_mesh`] and [`read_mesh`] keep what a light mesh knows.
 //!
 //! ```
 //! # fn main() -> Result<(), lightmesh_io::Error> {
@@ -33,6 +33,7 @@ mod environment_map;
 mod error;
 mod exr_file;
 mod gltf;
+mod load_options;
 mod mesh_file;
 mod obj;
 pub mod output;
@@ -50,7 +51,8 @@ mod warnings;
 pub use environment_map::{EnvironmentMap, read_environment};
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
-pub use mesh_file::{MeshFile, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh, write_mesh_to};
+pub use load_options::{LoadOptions, Loaded, Units};
+pub use mesh_file::{MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh, write_mesh_to};
 pub use picture::{Encoding, Picture, read_picture};
 pub use scene_bytes::{scene_from_bytes, scene_to_bytes};
-pub use scene_file::{LoadOptions, Loaded, Units, load};
+pub use scene_file::load;

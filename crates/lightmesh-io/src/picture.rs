@@ -9,11 +9,11 @@ use crate::{
     budget::Budget, error::Error, exr_file, output::Format, picture_file::PictureFile, srgb::linear_from_srgb,
 };
 
-/// How many times its length a PNG can hold in samples: deflate makes at most 1032 bytes of one, and the expansion of
-/// 1-bit palettes to 8-bit RGBA at most 32 of those.
+/// The most bytes of samples that a PNG can hold per byte of its length: deflate makes at most 1032 bytes of one, and
+/// the expansion of 1-bit palettes to 8-bit RGBA at most 32 of those.
 const PNG_EXPANSION: u64 = 1032 * 32;
 
-/// What a file's values mean.
+/// The meaning of a picture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Light of the scene, unbounded (EXR).
@@ -27,11 +27,12 @@ pub enum Encoding {
 pub struct Picture {
     /// Linear values; a file without colour has it in all three channels.
     pub image: Image,
-    /// What they mean.
+    /// The meaning of its values.
     pub encoding: Encoding,
 }
 
-/// Reads an EXR (channels R G B, with or without A, or Y; any layer order) or a PNG (8 or 16 bits, sRGB). Alpha is left out.
+/// Reads an EXR (channels R G B, with or without A, or Y; any layer order) or a PNG (8 or 16 bits, sRGB). Alpha is left
+/// out.
 ///
 /// # Errors
 /// If the file is missing, damaged, or has none of those channels; if it says that it has more than 2²⁸ pixels, 1024

@@ -12,10 +12,10 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 28;
 /// The most bytes of samples, in all layers and channels: four 32-bit channels of the most pixels.
 const MAX_SAMPLE_BYTES: u64 = 16 * MAX_PIXELS;
 
-/// What is known of a file before its first byte is read.
+/// A file that is open, its name and its length.
 #[derive(Clone, Debug)]
 pub(crate) struct PictureFile {
-    /// For messages.
+    /// The name for messages.
     pub(crate) name: String,
     /// Bytes.
     pub(crate) length: u64,

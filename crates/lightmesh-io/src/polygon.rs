@@ -6,8 +6,8 @@ use glam::{DVec2, Vec3};
 const MOST_EARS: usize = 256;
 
 /// Cuts a polygon into triangles and hands each, as indices into `corners`, to `emit`. The triangles keep the polygon's
-/// winding. Convex polygons become a fan from the first corner; others are cut ear by ear (G. H. Meisters, "Polygons have ears",
-/// 1975) in the coordinate plane that shows most of their area. Fewer than three corners give nothing.
+/// winding. Convex polygons become a fan from the first corner; others are cut ear by ear (G. H. Meisters, "Polygons
+/// have ears", 1975) in the coordinate plane that shows most of their area. Fewer than three corners give nothing.
 pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let count = corners.len();
     if count < 3 {
@@ -18,7 +18,8 @@ pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let convex = (0..count).all(|i| turn(i, (i + 1) % count, (i + 2) % count) >= 0.0);
     let mut left: Vec<usize> = (0..count).collect();
     if !convex && count <= MOST_EARS {
-        // Cut corners that stick out and whose triangle holds no other corner; a polygon that crosses itself may have none.
+        // Cut corners that stick out and whose triangle holds no other corner; a polygon that crosses itself may have
+        // none.
         while left.len() > 3 {
             let n = left.len();
             let ear = (0..n).find(|&i| {
@@ -36,9 +37,9 @@ pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The polygon in the coordinate plane on which its shadow is largest, counter-clockwise.
+/// Projects the polygon onto the coordinate plane where its area is largest, counter-clockwise.
 fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
-    // Newell's normal: twice the areas of the three shadows.
+    // Newell's normal: twice the areas of the three projections.
     let next = corners.iter().cycle().skip(1);
     let normal: glam::DVec3 = corners.iter().zip(next).map(|(a, b)| a.as_dvec3().cross(b.as_dvec3())).sum();
     let size = normal.abs();
@@ -55,7 +56,7 @@ fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
     corners.iter().map(flat).collect()
 }
 
-/// Whether `p` is in the counter-clockwise triangle or on its edge.
+/// Returns whether `p` is in the counter-clockwise triangle or on its edge.
 fn inside([a, b, c]: [DVec2; 3], p: DVec2) -> bool {
     let left_of = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a) >= 0.0;
     left_of(a, b) && left_of(b, c) && left_of(c, a)
@@ -71,7 +72,8 @@ mod tests {
         triangles
     }
 
-    /// The triangles of an L, from every first corner and on every side, have areas that sum to the polygon's: none overlap.
+    /// The triangles of an L, from every first corner and on every side, have areas that sum to the polygon's: none
+    /// overlap.
     #[test]
     fn concave_polygons_keep_their_area() {
         let ell = [(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)];

@@ -20,7 +20,7 @@ const LONGEST_HEADER: u64 = 1 << 16;
 pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut Budget) -> Result<Image, Error> {
     let damaged = |error: image::ImageError| file.invalid(format_args!("not a readable Radiance picture: {error}"));
 
-    // The header: "#?" and a program's name, lines of settings, an empty line, the size.
+    // Read the header: "#?" and a program's name, lines of settings, an empty line, the size.
     let mut start = Vec::new();
     reader.by_ref().take(LONGEST_HEADER).read_to_end(&mut start).map_err(|cause| file.unreadable(cause))?;
     if !start.starts_with(b"#?") {
@@ -32,6 +32,8 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
             "is no readable Radiance picture: its header does not end within {LONGEST_HEADER} bytes; is it cut off?"
         )));
     }
+
+    // Read the size, refuse more than is allowed or than the file can hold, and pay for it.
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
     let decoder = HdrDecoder::new_nonstrict(reader).map_err(damaged)?;
     let (width, height) = decoder.dimensions();

@@ -1,16 +1,16 @@
 //! Scenes as bytes, for other processes: everything that a [`SceneData`] holds, whatever file or program it came from.
 //!
-//! Sixteen bytes of magic and version, the length of what follows, and the scene in the postcard format. It is for processes of one version of
-//! this library and no format for keeping scenes.
+//! Sixteen bytes of magic and version, the length of what follows, and the scene in the postcard format. It is for
+//! processes of one version of this library and no format for keeping scenes.
 
 use lightmesh::SceneData;
 
-use crate::Error;
+use crate::error::Error;
 
-/// What the bytes begin with: a name and the version of this library.
+/// The first bytes: a name and the version of this library.
 const MAGIC: [u8; 16] = *b"lightmesh scene\x01";
 
-/// The scene as bytes.
+/// Writes a scene as bytes.
 ///
 /// # Errors
 /// [`Error::Invalid`] where it has shapes of the user's own: they are code.
@@ -51,7 +51,7 @@ pub fn scene_from_bytes(bytes: &[u8]) -> Result<SceneData, Error> {
 
 const HEADER: usize = MAGIC.len() + 8;
 
-/// How messages call them.
+/// The name of the bytes in messages.
 const NAME: &str = "scene bytes";
 
 #[cfg(test)]
@@ -59,10 +59,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::load_options::LoadOptions;
+    use crate::scene_file::load;
 
     fn sample() -> SceneData {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-        crate::load(&path.join("cornell.glb"), &crate::LoadOptions::default()).expect("our own scene").data
+        load(&path.join("cornell.glb"), &LoadOptions::default()).expect("our own scene").data
     }
 
     /// Numbers, names and textures come back bit for bit.

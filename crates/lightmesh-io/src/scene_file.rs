@@ -1,57 +1,15 @@
-//! From a path to a scene: which reader takes it.
+//! Reads a scene file with the reader for its format.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use lightmesh::SceneData;
-
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::{LoadOptions, Loaded};
 use crate::{gltf, obj, ply};
 
-/// What the numbers of punctual lights mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Units {
-    /// Candela and lux, as KHR_lights_punctual says.
-    #[default]
-    Gltf,
-    /// Blender's exporter multiplies lamps by 683 lm/W but leaves emission as it is: divide punctual lights by 683.
-    Blender,
-}
-
-/// How a scene file is read.
-#[derive(Clone, Debug)]
-pub struct LoadOptions {
-    /// Units of punctual lights; default [`Units::Gltf`].
-    pub units: Units,
-    /// Whether URIs may leave the folder of the scene file (`..`, absolute paths, symbolic links); default no. Networks
-    /// are never asked.
-    pub allow_outside: bool,
-    /// Name or index of the scene in a file that has several; `None`: the file's default, else its first.
-    pub scene: Option<String>,
-    /// Bytes that may be spent on files, parsed text, decoded geometry and images together; default 4 GiB. What might
-    /// be needed is counted before it is allocated, and nothing is counted back, so somewhat less is in use at any
-    /// time.
-    pub max_memory: u64,
-}
-
-impl Default for LoadOptions {
-    fn default() -> Self {
-        Self { units: Units::Gltf, allow_outside: false, scene: None, max_memory: 4 << 30 }
-    }
-}
-
-/// A scene that was read.
-#[derive(Clone, Debug)]
-pub struct Loaded {
-    /// What the file says.
-    pub data: SceneData,
-    /// What was left out or mended, one sentence each.
-    pub warnings: Vec<String>,
-}
-
-/// What [`load`] reads, for messages.
+/// The formats that [`load`] reads, for messages.
 const READABLE: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.ply)";
 
 /// Reads a scene file. The extension picks the reader; a file with another extension is read if it begins as a binary
@@ -88,7 +46,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
 /// Turns a file's name, bytes and folder into a scene, with what the file itself has left of the budget.
 type Reader = fn(&str, &[u8], Option<&Path>, &LoadOptions, Budget) -> Result<Loaded, Error>;
 
-/// Whether the file has the magic bytes of a binary glTF.
+/// Returns whether the file has the magic bytes of a binary glTF.
 fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {
     let read_error = |cause| Error::Read { file: one_line(file), cause };
     let mut start = Vec::with_capacity(4);
@@ -96,7 +54,7 @@ fn starts_as_glb(path: &Path, file: &str) -> Result<bool, Error> {
     Ok(start == *b"glTF")
 }
 
-/// The whole file, its bytes paid from the budget first.
+/// Reads the whole file, whose bytes are paid from the budget first.
 fn read_file(path: &Path, file: &str, budget: &mut Budget) -> Result<Vec<u8>, Error> {
     let read_error = |cause| Error::Read { file: one_line(file), cause };
     let handle = File::open(path).map_err(read_error)?;

@@ -1,4 +1,4 @@
-//! Which image formats textures may have.
+//! The image formats of textures.
 
 use std::io::Cursor;
 

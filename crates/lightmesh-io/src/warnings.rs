@@ -1,4 +1,4 @@
-//! What was left out or mended, told once per kind.
+//! Warnings of what was left out or mended, one per kind.
 
 use std::fmt::Display;
 
@@ -38,7 +38,7 @@ impl Warnings {
         }
     }
 
-    /// One sentence per message, in the order of their first appearance.
+    /// Returns one sentence per message, in the order of their first appearance.
     pub(crate) fn into_sentences(self) -> Vec<String> {
         let sentence = |kind: Kind| match kind.count {
             1 => format!("{}: {}", kind.first_place, kind.message),

@@ -8,7 +8,7 @@ use lightmesh::{
     Camera, Contents, DirectValues, Fingerprint, Image, Instance, Light, LightMesh, Material, Method, RenderOptions,
     Scene, SceneData, Spacing, render,
 };
-use lightmesh_io::{Error, MeshFile, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
+use lightmesh_io::{Error, MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
 
 const MEMORY: u64 = 1 << 30;
 const METHODS: [Method; 4] = [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased];
@@ -59,7 +59,8 @@ fn picture(scene: &Scene, eye: [f32; 3], options: &RenderOptions, mesh: &mut Lig
 fn filled(scene: &Scene, options: &RenderOptions) -> MeshFile {
     let mut mesh = LightMesh::new(scene, options).expect("mesh");
     picture(scene, [2.0, 2.0, 6.0], options, &mut mesh);
-    MeshFile::new(scene, options, &mesh, ("lightmesh 0.0.0", "a method", "{\"spp\":1}"))
+    let provenance = Provenance { software: "lightmesh 0.0.0", method: "a method", settings: "{\"spp\":1}" };
+    MeshFile::new(scene, options, &mesh, provenance)
 }
 
 #[test]

@@ -80,8 +80,8 @@ fn corners(triangle: &[[f32; 3]; 3]) -> [Vec3; 3] {
     triangle.map(|p| p.map(f64::from))
 }
 
-/// How often the surface winds around `point`, outward counted positive: Σ Ω / 4π with the solid angles of A. Van Oosterom and
-/// J. Strackee, 1983: tan(Ω / 2) = a·(b × c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|).
+/// How often the surface winds around `point`, outward counted positive: Σ Ω / 4π with the solid angles of A. Van
+/// Oosterom and J. Strackee, 1983: tan(Ω / 2) = a·(b × c) / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|).
 fn winding_number(triangles: &[[[f32; 3]; 3]], point: Vec3) -> f64 {
     let solid_angle = |triangle| {
         let [a, b, c] = corners(triangle).map(|p| sub(p, point));
@@ -160,8 +160,9 @@ fn normals_agree_with_the_winding() {
     }
 }
 
-/// In the room every edge has as many triangles on one side as on the other, bit for bit: all solids are closed and the shell
-/// has no gap. Seen from a light the shell, which faces inward, winds −1 times and each solid around the light would add 1.
+/// In the room every edge has as many triangles on one side as on the other, bit for bit: all solids are closed and the
+/// shell has no gap. Seen from a light the shell, which faces inward, winds −1 times and each solid around the light
+/// would add 1.
 #[test]
 fn the_room_is_closed_and_its_lights_hang_free() {
     let scenes = scenes::all();

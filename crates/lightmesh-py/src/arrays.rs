@@ -22,16 +22,17 @@ fn array<'py>(value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     ASARRAY.import(value.py(), "numpy", "asarray")?.call1((value,))
 }
 
-/// The kind of number as NumPy abbreviates it: `f`, `i`, `u`, `b` and others.
+/// Returns the kind of number as NumPy abbreviates it: `f`, `i`, `u`, `b` and others.
 fn kind(array: &Bound<'_, PyAny>) -> PyResult<String> {
     array.getattr("dtype")?.getattr("kind")?.extract()
 }
 
-/// How many dimensions the value has as an array; `None` where it is none.
+/// Returns how many dimensions the value has as an array; `None` if it is not an array.
 pub(crate) fn dimensions(value: &Bound<'_, PyAny>) -> Option<usize> {
     array(value).ok()?.getattr("ndim").ok()?.extract().ok()
 }
 
+/// Converts an array to numbers of one type.
 fn convert<T: Element + Copy>(array: &Bound<'_, PyAny>, dtype: &str) -> PyResult<Numbers<T>> {
     let array = array.call_method1("astype", (dtype, "C"))?;
     let array = array.cast::<PyArrayDyn<T>>()?.readonly();
@@ -97,6 +98,17 @@ pub(crate) fn vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>>
     Ok(rows::<3>(value, name)?.into_iter().map(Vec3::from_array).collect())
 }
 
+/// Finite points, (n, 3).
+pub(crate) fn finite_vec3s(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
+    let points = vec3s(value, name)?;
+    match points.iter().position(|point| !point.is_finite()) {
+        None => Ok(points),
+        Some(index) => {
+            Err(error::scene(value.py(), format!("{name}: {} of index {index} is not finite", points[index])))
+        }
+    }
+}
+
 /// Meters: positions (n, 3), metres, and a normal for each, (n, 3), or one for all, (3,).
 pub(crate) fn meters(positions: &Bound<'_, PyAny>, normals: &Bound<'_, PyAny>) -> PyResult<Vec<Meter>> {
     let positions = vec3s(positions, "positions")?;
@@ -127,7 +139,7 @@ pub(crate) fn region(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Aabb> {
     Ok(bounds)
 }
 
-/// RGB, as an array of its own, (n, 3).
+/// Converts RGB colours to a new array, (n, 3).
 pub(crate) fn from_colors(py: Python<'_>, colors: Vec<Vec3>) -> PyResult<Bound<'_, PyAny>> {
     let rows: Vec<[f32; 3]> = colors.into_iter().map(|color| color.to_array()).collect();
     let array = Array2::from_shape_vec((rows.len(), 3), rows.into_flattened());
@@ -206,12 +218,14 @@ pub(crate) fn affine(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine3A>
     Ok(Affine3A::from_mat4(matrix))
 }
 
+/// The exception for an array of a wrong shape.
 pub(crate) fn misshapen(py: Python<'_>, name: &str, expected: &str, shape: &[usize]) -> PyErr {
     let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
     let comma = if shape.len() == 1 { "," } else { "" };
     error::scene(py, format!("{name}: expected the shape {expected}, not ({}{comma})", shape.join(", ")))
 }
 
+/// The exception for an array of a wrong type.
 fn wrong(array: &Bound<'_, PyAny>, name: &str, expected: &str) -> PyErr {
     let dtype = array.getattr("dtype").map_or_else(|_| "another type".to_owned(), |dtype| dtype.to_string());
     error::scene(array.py(), format!("{name}: {expected}, not {dtype}"))

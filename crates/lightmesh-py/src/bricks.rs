@@ -13,7 +13,7 @@ pub(crate) type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArra
 /// Numbers per brick: level and index in one, then a bit per place.
 const COLUMNS: usize = 9;
 
-/// As an array of uint64, (n, 9): level · 2³² + index, then 512 bits, lowest first.
+/// Converts bricks to an array of uint64, (n, 9): level · 2³² + index, then 512 bits, lowest first.
 pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickPoints]) -> PyResult<Bound<'py, PyArray2<u64>>> {
     let key = |brick: &BrickPoints| u64::from(brick.level) << 32 | u64::from(brick.brick);
     let numbers: Vec<u64> = bricks.iter().flat_map(|brick| [key(brick)].into_iter().chain(brick.places)).collect();
@@ -21,7 +21,7 @@ pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickPoints]) -> PyResult
     array.map(|array| array.into_pyarray(py)).map_err(|error| crate::error::internal(&error.to_string()))
 }
 
-/// From such an array.
+/// Converts the array that [`to_array`] made back.
 pub(crate) fn from_array(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<BrickPoints>> {
     let numbers = arrays::words(value, name)?;
     if !matches!(numbers.shape[..], [_, COLUMNS]) {
@@ -35,12 +35,12 @@ pub(crate) fn from_array(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<B
     Ok(numbers.values.as_chunks().0.iter().map(brick).collect())
 }
 
-/// Points of one mesh, as of those of direct light.
+/// Converts an array of bricks of one mesh, which is taken for the direct one.
 fn wanted(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Wanted> {
     Ok(Wanted { direct: from_array(value, name)?, indirect: Vec::new() })
 }
 
-/// All points of some arrays of bricks: uint64, (n, 9), each brick once, in order.
+/// Joins arrays of bricks. Returns all of their points: uint64, (n, 9), each brick once, in order.
 #[pyfunction]
 pub(crate) fn join_bricks<'py>(py: Python<'py>, bricks: Vec<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyArray2<u64>>> {
     let mut all = Wanted::default();
@@ -51,7 +51,7 @@ pub(crate) fn join_bricks<'py>(py: Python<'py>, bricks: Vec<Bound<'py, PyAny>>) 
     to_array(py, &all.direct)
 }
 
-/// The points of one array of bricks that another one does not have: uint64, (n, 9).
+/// Subtracts one array of bricks from another. Returns the points of the first that the second lacks: uint64, (n, 9).
 #[pyfunction]
 pub(crate) fn subtract_bricks<'py>(
     bricks: &Bound<'py, PyAny>,

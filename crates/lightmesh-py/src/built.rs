@@ -11,13 +11,13 @@ use crate::error::{Raise, without_dashes};
 /// A scene that is ready for rays, lit as options say.
 pub(crate) struct Built {
     pub(crate) scene: Scene,
-    /// What lights it beside its own lights.
+    /// The environment and the light samples that the options added to its own lights.
     pub(crate) emitters: EmitterArgs,
-    /// Its environment before that.
+    /// Its own environment, which the options may have replaced.
     own_environment: Option<Environment>,
-    /// What was found on the way, one sentence each.
+    /// Warnings from building it, one sentence each.
     pub(crate) warnings: Vec<String>,
-    /// What that took.
+    /// How long building it took.
     pub(crate) time: Duration,
 }
 
@@ -25,14 +25,14 @@ pub(crate) struct Built {
 #[derive(Debug)]
 pub(crate) enum BuildError {
     Scene(lightmesh::Error),
-    Environment(lightmesh_io::Error),
+    File(lightmesh_io::Error),
 }
 
 impl Raise for BuildError {
     fn raise(self, py: pyo3::Python<'_>) -> pyo3::PyErr {
         match self {
             Self::Scene(error) => error.raise(py),
-            Self::Environment(error) => error.raise(py),
+            Self::File(error) => error.raise(py),
         }
     }
 }
@@ -44,7 +44,7 @@ impl Built {
         let mut warnings = Vec::new();
         let asked_for =
             lightmesh_cli::read_environment(emitters, max_memory, |warning| warnings.push(warning.to_owned()))
-                .map_err(BuildError::Environment)?;
+                .map_err(BuildError::File)?;
         let own_environment = data.environment.clone();
         let applied = lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
         warnings.extend(applied.iter().map(|warning| without_dashes(warning)));
@@ -53,7 +53,7 @@ impl Built {
         Ok(Self { scene, emitters: emitters.clone(), own_environment, warnings, time: started.elapsed() })
     }
 
-    /// What it was built from, to be changed or lit otherwise.
+    /// Returns the description that it was built from, to be changed or lit otherwise.
     fn data(&self) -> SceneData {
         SceneData { environment: self.own_environment.clone(), ..self.scene.data().clone() }
     }
@@ -69,7 +69,7 @@ pub(crate) enum State {
 }
 
 impl State {
-    /// What the scene holds, checked or not.
+    /// Returns the description, checked or not.
     pub(crate) fn data(&self) -> &SceneData {
         match self {
             Self::Draft(data) => data,
@@ -77,7 +77,7 @@ impl State {
         }
     }
 
-    /// A description to build from or to change.
+    /// Returns a description to build from or to change, without a copy where nobody shares it.
     pub(crate) fn into_data(self) -> SceneData {
         match self {
             Self::Draft(data) => Arc::unwrap_or_clone(data),

@@ -78,7 +78,7 @@ impl PyCamera {
         &self.camera.name
     }
 
-    /// Where it is, metres.
+    /// Its position, metres.
     #[getter]
     fn eye(&self) -> (f32, f32, f32) {
         Vec3::from(self.camera.world_from_camera.translation).into()
@@ -112,7 +112,7 @@ impl PyCamera {
         Self::checked(matrix.py(), Camera { name: name.to_owned(), world_from_camera, projection })
     }
 
-    /// As the scene checks its own.
+    /// Checks a camera as a scene checks its own.
     fn checked(py: Python<'_>, camera: Camera) -> PyResult<Self> {
         match camera.projection {
             Projection::Perspective { yfov, .. } if !(yfov > 0.0 && yfov < std::f32::consts::PI) => {

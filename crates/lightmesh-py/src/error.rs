@@ -10,9 +10,9 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyType;
 
-/// What becomes an exception.
+/// An error that becomes an exception.
 pub(crate) trait Raise {
-    /// The exception.
+    /// Returns the exception.
     fn raise(self, py: Python<'_>) -> PyErr;
 }
 
@@ -34,17 +34,18 @@ fn memory(py: Python<'_>, message: String) -> PyErr {
     of_class(py, &CLASS, "MemoryLimitError", message)
 }
 
-/// Everything else that is ours: `Error`.
+/// Every other failure of lightmesh: `Error`.
 pub(crate) fn general(py: Python<'_>, message: impl Into<String>) -> PyErr {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     of_class(py, &CLASS, "Error", message.into())
 }
 
-/// What the libraries promise not to do.
+/// A failure that can only be a defect of lightmesh: `RuntimeError`.
 pub(crate) fn internal(what: &str) -> PyErr {
     PyRuntimeError::new_err(format!("lightmesh failed inside, which is a defect of its own: {what}"))
 }
 
+/// An exception of a class of `lightmesh.errors`, which is imported once.
 fn of_class(py: Python<'_>, class: &PyOnceLock<Py<PyType>>, name: &str, message: String) -> PyErr {
     match class.import(py, "lightmesh.errors", name) {
         Ok(class) => PyErr::from_type(class.clone(), message),
@@ -115,7 +116,7 @@ impl Raise for KeywordError {
     }
 }
 
-/// The same numbers on every system that has them.
+// Every system that has these error numbers has the same ones.
 const ENOENT: i32 = 2;
 const EISDIR: i32 = 21;
 

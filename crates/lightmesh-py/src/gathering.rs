@@ -1,6 +1,6 @@
 //! Points of the indirect mesh that one process gathers light for.
 
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use lightmesh::filling::{Gathering, LevelValues};
 use numpy::ndarray::{Array2, Array3};
@@ -9,18 +9,18 @@ use pyo3::prelude::*;
 
 use crate::bricks::BrickArrays;
 use crate::error::{self, Raise};
-use crate::picture_job::{Job, JobError};
+use crate::job::{Job, JobError};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, bricks};
 
 /// Points, uint32, (n, 4), and values, float32, (n, sides, 3).
 type LevelArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>);
 
-/// What arrives at points of the indirect mesh after some reflections, as groups hand it to each other: to be made once for all groups of a
-/// process.
+/// The light that arrives at points of the indirect mesh after some reflections. Groups exchange levels; a process
+/// makes each level once for all of its groups.
 ///
-/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives them, of several groups
-/// in any order.
+/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives
+/// them, of several groups in any order.
 #[pyclass(name = "Level", module = "lightmesh", frozen)]
 pub(crate) struct PyLevel {
     values: Arc<LevelValues>,
@@ -40,14 +40,15 @@ impl PyLevel {
         Ok(Self { values: Arc::new(LevelValues::join([&level])) })
     }
 
-    /// How many points there are.
+    /// The number of points.
     fn __len__(&self) -> usize {
         self.values.points.len()
     }
 }
 
-/// Points of the indirect mesh on their way: their rays are shot; then they take light where these end, and exchange it reflection after
-/// reflection. It is made by PictureJob.gather, from the same bricks always the same.
+/// A group of points of the indirect mesh for which light is gathered: their rays are shot; then they take the direct
+/// light where the rays end, and exchange it with other groups reflection after reflection. PictureJob.gather makes it;
+/// the same bricks always give the same group.
 #[pyclass(name = "Gathering", module = "lightmesh", frozen)]
 pub(crate) struct PyGathering {
     job: Arc<Job>,
@@ -57,7 +58,7 @@ pub(crate) struct PyGathering {
 
 #[pymethods]
 impl PyGathering {
-    /// Points of the direct and of the indirect mesh that its rays read: two arrays of bricks.
+    /// Returns the points of the direct and of the indirect mesh that the rays read: two arrays of bricks.
     #[pyo3(signature = ())]
     fn wanted<'py>(&self, py: Python<'py>) -> PyResult<BrickArrays<'py>> {
         let wanted =
@@ -65,7 +66,8 @@ impl PyGathering {
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
-    /// Takes the direct light where its rays end; what the direct mesh lacks for that is filled. Then the rays are given up.
+    /// Takes the direct light where the rays end, and fills what the direct mesh lacks for that. The rays are freed
+    /// then.
     #[pyo3(signature = (*, progress=None))]
     fn light(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         self.run(py, progress, |job, gathering, watch| {
@@ -73,10 +75,11 @@ impl PyGathering {
         })
     }
 
-    /// What arrives at its points after k reflections or fewer: points, uint32, (n, 4), and values, float32, (n, 6, 3), lux; (n, 1, 3) with
-    /// method "paper".
+    /// Computes the light that arrives at the points after k reflections or fewer. Returns points, uint32, (n, 4), and
+    /// values, float32, (n, 6, 3), lux; (n, 1, 3) with method "paper".
     ///
-    /// below: the same after k - 1 reflections, of all points that are wanted; not looked at where k is 0. Ask for 0, 1, 2 and so on.
+    /// below: the level after k - 1 reflections, of the points of all groups; ignored if k is 0. Call with k = 0, 1, 2
+    /// and so on.
     #[pyo3(signature = (k, below=None))]
     fn bounce<'py>(&self, py: Python<'py>, k: u32, below: Option<PyRef<'py, PyLevel>>) -> PyResult<LevelArrays<'py>> {
         let below = below.map_or_else(Arc::default, |level| Arc::clone(&level.values));
@@ -90,7 +93,7 @@ impl PyGathering {
         Ok((points.into_pyarray(py), values.into_pyarray(py)))
     }
 
-    /// What other processes are to know of its points, after the last reflection: uint8, (n,), for PictureJob.absorb.
+    /// Returns the finished points for other processes, after the last reflection: uint8, (n,), for PictureJob.absorb.
     fn contents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u8>>> {
         let bytes = self.run(py, None, |job, gathering, _| {
             let contents = job.with_mesh(|mesh| gathering.contents(mesh))?;
@@ -99,13 +102,13 @@ impl PyGathering {
         Ok(bytes.into_pyarray(py))
     }
 
-    /// Memory, bytes.
+    /// Memory that the group takes, bytes.
     #[getter]
     fn bytes(&self, py: Python<'_>) -> PyResult<u64> {
         self.run(py, None, |_, gathering, _| Ok(gathering.bytes()))
     }
 
-    /// How many points it is for, those inside solids left out.
+    /// The number of points, without those inside solids.
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.run(py, None, |_, gathering, _| Ok(gathering.len()))
     }
@@ -123,9 +126,9 @@ impl PyGathering {
         work: impl FnOnce(&Job, &mut Gathering, &Watch) -> Result<T, JobError> + Send + 'static,
     ) -> PyResult<T> {
         let (job, gathering) = (Arc::clone(&self.job), Arc::clone(&self.gathering));
-        let work = move |watch: &Watch| match gathering.try_lock() {
-            Ok(mut gathering) => work(&job, &mut gathering, watch),
-            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
+        let work = move |watch: &Watch| {
+            let mut gathering = gathering.try_lock().map_err(|_| JobError::InUse)?;
+            work(&job, &mut gathering, watch)
         };
         work::run(py, self.threads, callback, AtInterrupt::Wait, work)?.map_err(|error| error.raise(py))
     }

@@ -2,35 +2,30 @@
 
 use std::io::{self, Cursor, Write as _};
 use std::path::PathBuf;
-use std::sync::{Arc, TryLockError};
-use std::time::Instant;
 
-use lightmesh::{Camera, Frame, Image, Layer, LightMesh, RenderOptions};
-use lightmesh_cli::{EmitterArgs, Exposure, Keywords, SOFTWARE, Stats, method_name, parse_exposure, settings_json};
+use lightmesh::{Camera, Frame, Image, Layer, RenderOptions};
+use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, method_name, parse_exposure, settings_json};
 use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
 use lightmesh_io::{Encoding, Picture, Units};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::built::Built;
 use crate::error::{self, Raise};
-use crate::keywords;
-use crate::light_mesh::{IN_USE, PyLightMesh};
-use crate::scene::PyScene;
 use crate::view::{self, Keeps};
 use crate::work::{self, AtInterrupt, Watch};
+use crate::{json, keywords};
 
-/// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy and not to be
-/// written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
+/// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy
+/// and not to be written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
 #[pyclass(name = "Image", module = "lightmesh", frozen)]
 pub(crate) struct PyImage {
     pub(crate) picture: Picture,
     layers: Vec<Layer>,
     metadata: Metadata,
-    /// Whether the metadata's camera took it.
+    /// Whether the camera of the metadata took the picture.
     has_camera: bool,
-    /// As JSON; empty where nothing is known.
+    /// Statistics as JSON; empty for a picture from a file.
     stats: String,
 }
 
@@ -83,7 +78,8 @@ impl PyImage {
         self.picture.image.height
     }
 
-    /// Layers beside the light, by name: float32, (H, W, 3), or (H, W) where they have one value a pixel; not to be written to.
+    /// Layers beside the light, by name: float32, (H, W, 3), or (H, W) where they have one value a pixel; not to be
+    /// written to.
     #[getter]
     fn aovs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
         let aovs = PyDict::new(slf.py());
@@ -96,10 +92,10 @@ impl PyImage {
         Ok(aovs)
     }
 
-    /// What the picture took, with the keys of --stats; empty for one that was read from a file.
+    /// Statistics of the render, with the keys of --stats; empty for a picture that was read from a file.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, if self.stats.is_empty() { "{}" } else { &self.stats })
+        json::parse(py, if self.stats.is_empty() { "{}" } else { &self.stats })
     }
 
     /// The exposure that suits the picture, EV: its luminance times 2 to this power is what a display shows.
@@ -109,7 +105,8 @@ impl PyImage {
         (f64::from(Exposure::Auto.for_picture(&self.picture.image)) * 100.0).round() / 100.0
     }
 
-    /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears whole or not at all.
+    /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears
+    /// whole or not at all.
     ///
     /// exposure: EV of a .png, or "auto". half: 16-bit instead of 32-bit floats in an .exr.
     #[pyo3(signature = (path, *, exposure=None, half=false), text_signature = "($self, path, *, exposure='auto', half=False)")]
@@ -179,59 +176,15 @@ impl PyImage {
     }
 }
 
-/// Why there is no picture.
-enum RenderError {
-    Library(lightmesh::Error),
-    /// The mesh cannot be had.
-    MeshInUse,
-    Inside(String),
-}
-
 impl PyImage {
-    /// Renders in a thread of its own.
-    pub(crate) fn render(
-        py: Python<'_>,
-        scene: &PyScene,
-        (built, camera, keywords): (Arc<Built>, Camera, Keywords),
-        mesh: Option<&PyLightMesh>,
-        callback: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let options = keywords.options(&camera);
-        options.check_picture_memory().map_err(|error| error.raise(py))?;
-        let mut metadata = metadata(&scene.name, &options, keywords.emitters(), scene.units, &camera);
-        let (name, load_time) = (scene.name.clone(), scene.load_time);
-        let mesh = mesh.map(|mesh| Arc::clone(&mesh.mesh));
-        let work = move |watch: &Watch| {
-            let started = Instant::now();
-            let frame = match &mesh {
-                None => {
-                    let mut mesh = LightMesh::new(&built.scene, &options).map_err(RenderError::Library)?;
-                    frame(&built, &camera, &options, &mut mesh, watch)?
-                }
-                Some(shared) => match shared.try_lock() {
-                    Ok(mut mesh) => frame(&built, &camera, &options, &mut mesh, watch)?,
-                    Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => return Err(RenderError::MeshInUse),
-                },
-            };
-            let total = load_time + built.time + started.elapsed();
-            let stats = Stats::new(name, &built.scene, &options, &frame.stats);
-            let stats = stats.with_seconds(load_time, built.time, std::time::Duration::ZERO, total);
-            let json = serde_json::to_string(&stats).map_err(|error| RenderError::Inside(error.to_string()))?;
-            Ok((frame, json))
-        };
-        let (frame, stats) =
-            work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?.map_err(|error| match error {
-                RenderError::Library(error) => error.raise(py),
-                RenderError::MeshInUse => error::general(py, IN_USE),
-                RenderError::Inside(what) => error::internal(&what),
-            })?;
-        (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
-        metadata.estimated_error = frame.stats.estimated_error;
-        Ok(Self::of_frame(frame, metadata, stats))
-    }
-
-    /// A finished picture with its stats as JSON.
+    /// Wraps a finished picture, with its statistics as JSON.
     pub(crate) fn of_frame(frame: Frame, metadata: Metadata, stats: String) -> Self {
+        let metadata = Metadata {
+            seconds: frame.stats.seconds.render,
+            spp: frame.stats.spp,
+            estimated_error: frame.stats.estimated_error,
+            ..metadata
+        };
         let picture = Picture { image: frame.image, encoding: Encoding::SceneLinear };
         Self { picture, layers: frame.layers, metadata, has_camera: true, stats }
     }
@@ -247,7 +200,7 @@ impl PyImage {
     }
 }
 
-/// What is said of a picture in its file; how long it took and how good it is come later.
+/// Describes a picture for its file, without how long it took and how good it is, which [`PyImage::of_frame`] adds.
 pub(crate) fn metadata(
     scene: &str,
     options: &RenderOptions,
@@ -265,19 +218,4 @@ pub(crate) fn metadata(
         spp: options.spp,
         camera: camera.clone(),
     }
-}
-
-fn frame(
-    built: &Built,
-    camera: &Camera,
-    options: &RenderOptions,
-    mesh: &mut LightMesh,
-    watch: &Watch,
-) -> Result<Frame, RenderError> {
-    lightmesh::render(&built.scene, camera, options, mesh, watch).map_err(RenderError::Library)
-}
-
-/// What JSON says, as Python's own objects.
-pub(crate) fn from_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
-    py.import("json")?.call_method1("loads", (text,))
 }

@@ -17,8 +17,8 @@ const OTHERS: [&str; 4] = ["units", "scene", "allow_outside", "camera"];
 /// Options by name; those that are `None` are left out.
 pub(crate) type Pairs = Vec<(String, OsString)>;
 
-/// The name of every option of the command line that is not about its files, and its default there as text; `None` where it depends on
-/// other options or is nothing.
+/// The name of every option of the command line that is not about its files, and its default there as text; `None`
+/// where it depends on other options or is nothing.
 #[pyfunction(name = "_option_defaults")]
 pub(crate) fn option_defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let defaults = PyDict::new(py);

@@ -21,7 +21,7 @@ impl PyLight {
         }
     }
 
-    /// Where it is, metres; None for a directional light.
+    /// Its position, metres; None for a directional light.
     #[getter]
     fn position(&self) -> Option<(f32, f32, f32)> {
         match self.light {
@@ -54,7 +54,8 @@ impl PyLight {
         }
     }
 
-    /// Half angles of a spot's cone, radians: inside the first it is full, outside the second dark; None for other lights.
+    /// Half angles of a spot's cone, radians: inside the first it is full, outside the second dark; None for other
+    /// lights.
     #[getter]
     fn cone_angles(&self) -> Option<(f32, f32)> {
         match self.light {

@@ -1,10 +1,10 @@
-//! The argument `progress` of all that takes long.
+//! The argument `progress` of all functions that take long.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 
-/// Who hears of the progress.
+/// The receiver of progress reports.
 pub(crate) enum Listener<'py> {
     Nobody,
     Function(Bound<'py, PyAny>),
@@ -13,7 +13,7 @@ pub(crate) enum Listener<'py> {
 }
 
 impl<'py> Listener<'py> {
-    /// `None` and `False`: nobody; `True`: a bar; else it must be a function.
+    /// Interprets the argument: `None` and `False` mean nobody, `True` a bar; everything else must be a function.
     pub(crate) fn new(py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
         let Some(progress) = progress else { return Ok(Self::Nobody) };
         if let Ok(wanted) = progress.cast::<PyBool>() {
@@ -28,7 +28,7 @@ impl<'py> Listener<'py> {
         }
     }
 
-    /// What is called.
+    /// Returns the function to call.
     pub(crate) fn callback(&self) -> Option<&Bound<'py, PyAny>> {
         match self {
             Self::Nobody => None,
@@ -36,7 +36,7 @@ impl<'py> Listener<'py> {
         }
     }
 
-    /// Ends the bar, and hands on what came of the work.
+    /// Closes the bar; returns the result of the work, or the error of closing.
     pub(crate) fn close<T>(&self, result: PyResult<T>) -> PyResult<T> {
         if let Self::Bar(bar) = self {
             let closed = bar.call_method0("close");

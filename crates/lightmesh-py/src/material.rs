@@ -14,12 +14,13 @@ use crate::{arrays, error};
 /// specular: in [0, 1]; 0 is exactly Lambert at any roughness.
 /// specular_color: linear RGB from 0 on. ior: index of refraction, 1 or more.
 /// transmission: the fraction of light that is not mirrored which goes through, in [0, 1].
-/// alpha: in [0, 1]; alpha_mode: "opaque" (alpha is ignored), "mask" (solid where alpha is at least alpha_cutoff) or "blend".
+/// alpha: in [0, 1]; alpha_mode: "opaque" (alpha is ignored), "mask" (solid where alpha is at least alpha_cutoff) or
+/// "blend".
 /// double_sided: a thin sheet without an inside. unlit: the base colour is shown as it is.
 ///
-/// Textures multiply the factor beside them and repeat: (H, W, 3) or (H, W, 4), uint8 or float, row 0 at v = 0. base_color_texture and
-/// emission_texture are sRGB where they are uint8 and linear where they are float; metallic_roughness_texture (G roughness, B metallic)
-/// and normal_texture (tangent space) are linear.
+/// Textures multiply the factor beside them and repeat: (H, W, 3) or (H, W, 4), uint8 or float, row 0 at v = 0.
+/// base_color_texture and emission_texture are sRGB where they are uint8 and linear where they are float;
+/// metallic_roughness_texture (G roughness, B metallic) and normal_texture (tangent space) are linear.
 #[pyclass(name = "Material", module = "lightmesh", frozen)]
 pub(crate) struct PyMaterial {
     material: Material,
@@ -62,6 +63,7 @@ impl PyMaterial {
         normal_scale: f32,
         name: &str,
     ) -> PyResult<Self> {
+        // Read the factors and the alpha mode.
         let color = |value: Option<&Bound<'_, PyAny>>, name, default| {
             value.map_or(Ok(default), |value| arrays::color(value, name))
         };
@@ -91,6 +93,8 @@ impl PyMaterial {
             normal_scale,
             ..Material::default()
         };
+
+        // Read the textures.
         let image = |value: Option<&Bound<'_, PyAny>>, name| value.map(|value| image(value, name)).transpose();
         let images = [
             image(base_color_texture, "base_color_texture")?,

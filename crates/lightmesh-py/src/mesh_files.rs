@@ -3,22 +3,22 @@
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use lightmesh::LightMesh;
-use lightmesh_cli::{Keywords, SOFTWARE, method_name, settings_json};
+use lightmesh_cli::{SOFTWARE, method_name, settings_json};
 use lightmesh_io::output::StagedFile;
-use lightmesh_io::{Error, MeshFile, Units, write_mesh_to};
+use lightmesh_io::{Error, MeshFile, Provenance, Units, write_mesh_to};
 use pyo3::prelude::*;
 
-use crate::built::Built;
 use crate::error::{self, Raise};
 use crate::keywords::{self, Pairs};
-use crate::light_mesh::{self, IN_USE};
+use crate::scene::LitScene;
+use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 
-/// Settings of a file that its mesh goes on with where nothing else is said: all that decide about it. An environment that is a file is
-/// not among them: a mesh file does not say what is opened.
+/// Settings that a loaded mesh takes from its file unless the caller gives others: all that its points depend on. An
+/// environment that is a file is not among them: a mesh file must not decide which files are opened.
 const KEPT: [&str; 21] = [
     "method",
     "bounces",
@@ -43,29 +43,34 @@ const KEPT: [&str; 21] = [
     "paper-scale",
 ];
 
-/// Bytes that are written between two looks at whether to stop.
+/// The most bytes that are written at once, before the next look at whether to stop.
 const AT_ONCE: usize = 1 << 22;
 
-/// Why there is no file.
+/// Why a mesh was not saved.
 enum SaveError {
     MeshInUse,
     File(Error),
 }
 
-/// Writes all that a mesh knows, whole or not at all.
+/// Writes everything that a mesh knows to a file, which appears whole or not at all.
 pub(crate) fn save(
     py: Python<'_>,
     path: PathBuf,
-    (keywords, built, mesh, units): (&Keywords, Arc<Built>, Arc<Mutex<LightMesh>>, Units),
+    lit: LitScene,
+    mesh: SharedMesh,
+    units: Units,
     callback: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<()> {
+    let LitScene { keywords, built } = lit;
     let options = keywords.mesh_options();
     let settings = settings_json(&options, keywords.emitters(), units, "");
     let work = move |watch: &Watch| {
         let mut staged = StagedFile::create(&path).map_err(SaveError::File)?;
         let file = {
-            let mesh = light_mesh::lock(&mesh).ok_or(SaveError::MeshInUse)?;
-            MeshFile::new(&built.scene, &options, &mesh, (SOFTWARE, method_name(options.method), &settings))
+            let mesh = mesh.lock().ok_or(SaveError::MeshInUse)?;
+            let method = method_name(options.method);
+            let provenance = Provenance { software: SOFTWARE, method, settings: &settings };
+            MeshFile::new(&built.scene, &options, &mesh, provenance)
         };
         let total = file.array_bytes();
         let mut out = Watched { out: &mut staged, watch, done: 0, total };
@@ -76,12 +81,12 @@ pub(crate) fn save(
         staged.commit().map_err(SaveError::File)
     };
     work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?.map_err(|error| match error {
-        SaveError::MeshInUse => error::general(py, IN_USE),
+        SaveError::MeshInUse => shared_mesh::in_use(py),
         SaveError::File(error) => error.raise(py),
     })
 }
 
-/// Counts what is written, and ends it when it is cancelled.
+/// A writer that counts bytes, and fails when the work is cancelled.
 struct Watched<'a> {
     out: &'a mut StagedFile,
     watch: &'a Watch,
@@ -106,17 +111,17 @@ impl Write for Watched<'_> {
     }
 }
 
-/// A file that has been read.
+/// A mesh file that has been read.
 pub(crate) struct Opened {
     path: PathBuf,
     file: MeshFile,
-    /// The settings to go on with.
+    /// The settings of the mesh: those of the file, under those of the caller.
     pub(crate) chosen: Pairs,
-    /// A map that lit the scene, which the caller has to name.
+    /// The environment map that lit the scene, if the caller did not name one.
     map: Option<String>,
 }
 
-/// Reads a file; `said` is what the caller says of the settings.
+/// Reads a mesh file; `said` are the settings that the caller gives.
 pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Opened> {
     let max_memory = keywords::parse(py, said)?.mesh_options().max_memory;
     let read = move |_: &Watch| {
@@ -128,20 +133,20 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Open
         work::run(py, None, None, AtInterrupt::Abandon, read)?.map_err(|error: Error| error.raise(py))?;
     let (kept, map) = settings(&file.settings);
     if let Err(error) = keywords::parse(py, &kept) {
-        let what = error.value(py).to_string();
-        return Err(error::scene(py, format!("{}: settings: {what}", path.display())));
+        let message = error.value(py).to_string();
+        return Err(error::scene(py, format!("{}: settings: {message}", path.display())));
     }
     let map = map.filter(|_| said.iter().all(|(name, _)| name != "environment"));
     Ok(Opened { chosen: keywords::over(&kept, said), path, file, map })
 }
 
 impl Opened {
-    /// The mesh, for the scene that it was made for.
-    pub(crate) fn into_mesh(self, py: Python<'_>, built: &Arc<Built>, keywords: &Keywords) -> PyResult<LightMesh> {
-        let (built, options) = (Arc::clone(built), keywords.mesh_options());
+    /// Makes the mesh, for the scene that it belongs to.
+    pub(crate) fn into_mesh(self, py: Python<'_>, lit: &LitScene) -> PyResult<LightMesh> {
+        let (built, options) = (Arc::clone(&lit.built), lit.keywords.mesh_options());
         let Self { path, file, map, .. } = self;
         let make = move |_: &Watch| file.into_mesh(&path, &built.scene, &options);
-        let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?;
+        let made = work::run(py, lit.keywords.threads(), None, AtInterrupt::Abandon, make)?;
         made.map_err(|error| match (error, map) {
             (error @ Error::OtherScene { .. }, Some(map)) => {
                 error::scene(py, format!("{error}; it was lit by {map}: say so with environment="))
@@ -151,7 +156,7 @@ impl Opened {
     }
 }
 
-/// The settings that a mesh goes on with, as pairs, and the environment's file.
+/// Returns the settings of the file that its mesh depends on, as pairs, and the file of its environment map.
 fn settings(json: &str) -> (Pairs, Option<String>) {
     let settings: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
     let text = |name: &str| match settings.get(name)? {

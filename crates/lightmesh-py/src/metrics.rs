@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::image::PyImage;
 use crate::{arrays, error};
 
-/// How far `a` is from the reference `b`: relrmse, bias, max and, unless `linear` alone is asked for, flip.
+/// Compares `a` with the reference `b`. Returns relrmse, bias, max and, unless `linear` is set, flip.
 ///
 /// a, b: images, or arrays of linear cd/m² of the shape (H, W, 3).
 #[pyfunction(name = "_compare", signature = (a, b, *, linear=false))]

@@ -1,4 +1,5 @@
-//! Long work on a thread of its own, while the calling one listens: Ctrl-C ends it, and its progress goes to a callback.
+//! Long work on a thread of its own, while the calling one listens: Ctrl-C ends it, and its progress goes to a
+//! callback.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,21 +12,21 @@ use pyo3::prelude::*;
 
 use crate::error;
 
-/// Between two looks at signals and progress.
+/// How often signals and progress are looked at.
 const PERIOD: Duration = Duration::from_millis(50);
-/// As the main thread of a program has.
+/// The stack of a work thread, as large as that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// What becomes of work that is interrupted.
+/// What happens to work that is interrupted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AtInterrupt {
-    /// It is told and heeds it within milliseconds.
+    /// It is told to stop and does so within milliseconds; the caller waits for it.
     Wait,
-    /// It cannot be told: it ends some time, unheard.
+    /// It cannot be told to stop: it runs to its end, and its result is dropped.
     Abandon,
 }
 
-/// What the work is watched by: it reports to it, and asks it whether to stop.
+/// The connection of the work to its caller: the work reports progress to it, and asks it whether to stop.
 #[derive(Debug, Default)]
 pub(crate) struct Watch {
     cancelled: AtomicBool,
@@ -33,7 +34,7 @@ pub(crate) struct Watch {
     reports: Mutex<Option<Vec<Report>>>,
 }
 
-/// How far a stage is.
+/// The progress of a stage.
 #[derive(Clone, Copy, Debug)]
 struct Report {
     stage: &'static str,
@@ -53,7 +54,7 @@ impl Progress for Watch {
 }
 
 impl Watch {
-    /// Reports that so many bytes of a file are written.
+    /// Reports how many bytes of a file are written.
     pub(crate) fn saved(&self, done: u64, total: u64) {
         self.note(Report { stage: "save", done, total, rays: 0 });
     }
@@ -67,7 +68,7 @@ impl Watch {
         }
     }
 
-    /// Hands what is new to the callback, without holding the lock.
+    /// Passes new reports to the callback, without holding the lock.
     fn pass_on(&self, callback: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let Some(callback) = callback else { return Ok(()) };
         let reports = locked(&self.reports).as_mut().map(std::mem::take).unwrap_or_default();
@@ -78,7 +79,7 @@ impl Watch {
     }
 }
 
-/// A stage as callbacks hear of it.
+/// Returns the name of a stage for callbacks.
 fn stage_name(stage: Stage) -> &'static str {
     match stage {
         Stage::Sketch => "sketch",
@@ -92,14 +93,14 @@ fn stage_name(stage: Stage) -> &'static str {
     }
 }
 
-/// The thread's result, once there is one.
+/// The place where the thread puts its result.
 struct Slot<T> {
     result: Mutex<Option<thread::Result<T>>>,
     filled: Condvar,
     watch: Watch,
 }
 
-/// Does `work` on a thread of its own, in a pool of `threads` or in the one that all share, and returns what it returns.
+/// Runs `work` on a thread of its own, in a pool of `threads` or in the shared one, and returns its result.
 ///
 /// # Errors
 /// `KeyboardInterrupt`, and whatever the callback or a signal's handler raises: the work is cancelled then.
@@ -110,6 +111,7 @@ pub(crate) fn run<T: Send + 'static>(
     at_interrupt: AtInterrupt,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
+    // Make a pool, if it is not the one that all share.
     let pool = match threads {
         None => None,
         Some(threads) => {
@@ -117,6 +119,8 @@ pub(crate) fn run<T: Send + 'static>(
             Some(pool.map_err(|error| error::general(py, format!("threads: {error}")))?)
         }
     };
+
+    // Start the work on a thread of its own.
     let watch = Watch { reports: Mutex::new(callback.map(|_| Vec::new())), ..Watch::default() };
     let slot = Arc::new(Slot { result: Mutex::new(None), filled: Condvar::new(), watch });
     let theirs = Arc::clone(&slot);
@@ -156,13 +160,13 @@ pub(crate) fn run<T: Send + 'static>(
     }
 }
 
-/// What was said by a panic.
+/// Returns the message of a panic.
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
     let said = panic.downcast_ref::<&str>().copied();
     said.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message")
 }
 
-/// The content, also after a panic elsewhere: what is kept so is replaced as a whole.
+/// Locks a mutex whose content is only ever replaced as a whole, so that a panic elsewhere cannot leave it half done.
 pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors.
 
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether the user wished it.
+    /// Returns whether the user stopped the work.
     pub fn is_cancelled(&self) -> bool {
         matches!(self, Self::Render(lightmesh::Error::Cancelled))
     }

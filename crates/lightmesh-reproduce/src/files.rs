@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 use lightmesh_io::output::StagedFile;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Report, Section};
+use crate::error::Error;
+use crate::report::{Report, Section};
 
-/// Where results go.
+/// The folder for results.
 pub(crate) struct Folder(PathBuf);
 
-/// A finished experiment, and the run that it is of.
+/// The result of an experiment, and the kind of run that made it.
 #[derive(Serialize, Deserialize)]
 struct Kept {
     version: String,
@@ -22,7 +23,7 @@ struct Kept {
 }
 
 impl Folder {
-    /// Makes it where there is none.
+    /// Opens the folder, and makes it if it does not exist.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
         let experiments = path.join("experiments");
         fs::create_dir_all(&experiments).map_err(|cause| Error::Io { path: experiments, cause })?;
@@ -33,7 +34,8 @@ impl Folder {
         self.0.join("experiments").join(format!("{id}.json"))
     }
 
-    /// What an experiment found in an earlier run like this one. A file that is no such thing counts as none.
+    /// Reads the result of an experiment from an earlier run like this one. `None` if there is none, or if its file
+    /// cannot be used.
     pub(crate) fn kept(&self, id: &str, run: &Report) -> Result<Option<Section>, Error> {
         let path = self.experiment(id);
         let text = match fs::read_to_string(&path) {
@@ -46,7 +48,7 @@ impl Folder {
         Ok(kept.filter(same).map(|kept| kept.section))
     }
 
-    /// Keeps what an experiment found.
+    /// Writes the result of an experiment, for later runs.
     pub(crate) fn keep(&self, section: &Section, run: &Report) -> Result<(), Error> {
         let (version, section) = (run.version.clone(), section.clone());
         let kept = Kept { version, quick: run.quick, threads: run.threads, section };

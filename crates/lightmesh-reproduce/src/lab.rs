@@ -1,4 +1,4 @@
-//! Where pictures are taken: those that several experiments want are rendered once.
+//! Renders the pictures of the experiments; one that several experiments need is rendered once.
 
 use std::collections::{HashMap, VecDeque};
 use std::rc::Rc;
@@ -9,10 +9,11 @@ use lightmesh::{
     render,
 };
 
+use crate::error::Error;
 use crate::scenes::{self, SceneName};
-use crate::{Error, Watcher};
+use crate::watcher::Watcher;
 
-/// The laboratory of a run.
+/// Scenes and pictures of a run.
 pub(crate) struct Lab<'a> {
     /// Whether pictures are small.
     pub(crate) quick: bool,
@@ -21,12 +22,14 @@ pub(crate) struct Lab<'a> {
     shots: HashMap<String, Rc<Shot>>,
     /// The names of the shots, the oldest first.
     order: VecDeque<String>,
-    /// Bytes that pictures may take, and that they do.
+    /// Bytes that the pictures may take.
     budget: usize,
+    /// Bytes that they take.
     bytes: usize,
 }
 
-/// Bytes of pictures that are kept for experiments to come; the oldest are forgotten first, and taken again where they are wanted.
+/// The most bytes of pictures that are kept for later experiments. The oldest are dropped first, and rendered again if
+/// they are needed.
 const BUDGET: usize = 256 << 20;
 
 /// A scene, ready for rays, and a camera.
@@ -37,7 +40,7 @@ pub(crate) struct Place {
     pub(crate) camera: Camera,
 }
 
-/// A picture, and what it took with an empty mesh.
+/// A picture, rendered with an empty mesh, and its statistics.
 pub(crate) struct Shot {
     pub(crate) image: Image,
     pub(crate) stats: RenderStats,
@@ -48,18 +51,18 @@ impl Shot {
         size_of_val(self.image.pixels.as_slice())
     }
 
-    /// Render time, seconds.
+    /// Returns the render time, seconds.
     pub(crate) fn seconds(&self) -> f64 {
         self.stats.seconds.render
     }
 
-    /// Root mean square difference from the other picture, as a part of that one's mean.
+    /// Returns the root mean square difference from the other picture, as a fraction of that one's mean.
     pub(crate) fn error(&self, truth: &Self) -> f64 {
         difference(&self.image.pixels, &truth.image.pixels).relrmse
     }
 }
 
-/// Carries the wish to stop into a render.
+/// Lets the watcher stop a render.
 struct Stop<'a>(&'a dyn Watcher);
 
 impl Progress for Stop<'_> {
@@ -74,12 +77,12 @@ impl<'a> Lab<'a> {
         Self { quick, watcher, places, shots, order: VecDeque::new(), budget: BUDGET, bytes: 0 }
     }
 
-    /// A scene with its own camera.
+    /// Returns a scene with its own camera.
     pub(crate) fn place(&mut self, name: SceneName) -> Result<Rc<Place>, Error> {
         self.place_with(name, &EmitterOptions::default(), None)
     }
 
-    /// A scene whose lights are made otherwise, or that is seen by another camera.
+    /// Returns a scene with other light samples, or another camera.
     pub(crate) fn place_with(
         &mut self,
         name: SceneName,
@@ -97,12 +100,12 @@ impl<'a> Lab<'a> {
         Ok(place)
     }
 
-    /// A scene that is made up, called so.
+    /// Builds a scene that is in no file, with this name.
     pub(crate) fn made_up(&self, name: String, data: SceneData, camera: Camera) -> Result<Place, Error> {
         Ok(Place { name, scene: Scene::new(data.clone())?, data, camera })
     }
 
-    /// A picture of a place, taken before or now.
+    /// Returns a picture of a place; renders it if it is not kept.
     pub(crate) fn shot(&mut self, place: &Place, options: &RenderOptions) -> Result<Rc<Shot>, Error> {
         let key = format!("{} {options:?}", place.name);
         if let Some(shot) = self.shots.get(&key) {
@@ -120,7 +123,7 @@ impl<'a> Lab<'a> {
         Ok(shot)
     }
 
-    /// A picture that is taken now.
+    /// Renders a picture.
     fn take(&self, place: &Place, options: &RenderOptions) -> Result<Shot, Error> {
         let RenderOptions { method, width, height, .. } = options;
         self.watcher.picture(&format!("{method:?}, {width} × {height}"));
@@ -129,8 +132,8 @@ impl<'a> Lab<'a> {
         Ok(Shot { image: frame.image, stats: frame.stats })
     }
 
-    /// Render times of several ways to take a picture, seconds: medians of three interleaved runs, or of one where a picture takes
-    /// longer than two seconds. The pictures are kept as [`Lab::shot`] keeps them.
+    /// Measures the render time of each of several options, seconds: the median of three interleaved runs, or one run
+    /// if a picture takes longer than two seconds. The pictures are kept as [`Lab::shot`] keeps them.
     pub(crate) fn race(&mut self, place: &Place, ways: &[RenderOptions]) -> Result<Vec<f64>, Error> {
         let mut seconds: Vec<Vec<f64>> = Vec::new();
         for options in ways {
@@ -149,7 +152,7 @@ impl<'a> Lab<'a> {
 }
 
 impl Lab<'_> {
-    /// The shortest render time of some runs on so many threads, seconds.
+    /// Returns the shortest render time of a few runs on this many threads, seconds.
     pub(crate) fn fastest(&self, place: &Place, options: &RenderOptions, threads: usize) -> Result<f64, Error> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let stop = Stop(self.watcher);
@@ -166,16 +169,16 @@ impl Lab<'_> {
     }
 }
 
-/// Pictures that take longer are timed once, seconds.
+/// Pictures that take longer than this are timed once, seconds.
 const LONG: f64 = 2.0;
 
-/// The middle one.
+/// Returns the median.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Direct light at pixel centres, from a mesh of so many points along the longest edge of the scene.
+/// Options for direct light at pixel centres, with a mesh of this many points along the longest edge of the scene.
 pub(crate) fn direct(method: Method, size: (u32, u32), points: f32) -> RenderOptions {
     let (width, height) = size;
     RenderOptions {

@@ -1,8 +1,8 @@
-//! The experiments of V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse color bleeding in
-//! ray tracing" (GraphiCon 2001; *the paper*), run anew with the tracers of `lightmesh`.
+//! The experiments of V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse
+//! color bleeding in ray tracing" (GraphiCon 2001; *the paper*), run anew with the tracers of `lightmesh`.
 //!
-//! [`reproduce`] runs them one after the other, keeps what each has found, and writes a page that needs nothing else, with its
-//! numbers beside it as JSON. Each claim of the paper is judged by numbers of the run.
+//! [`reproduce`] runs them one after the other, keeps what each has found, and writes a page that needs nothing else,
+//! with its numbers beside it as JSON. Each claim of the paper is judged by numbers of the run.
 
 #![forbid(unsafe_code)]
 
@@ -28,7 +28,7 @@ use experiments::EXPERIMENTS;
 use files::Folder;
 use lab::Lab;
 
-/// What is run.
+/// Options of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Small pictures: all of it within a minute, but times mean little.
@@ -52,16 +52,19 @@ pub fn experiments() -> impl Iterator<Item = (&'static str, &'static str)> {
     EXPERIMENTS.iter().map(|experiment| (experiment.id, experiment.title))
 }
 
-/// Runs the experiments into a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with what each has found, from which the next run
-/// goes on. What is kept of another size, version or number of threads is run again.
+/// Runs the experiments and writes a folder: [`PAGE`], [`NUMBERS`], and `experiments/` with the result of each, so that
+/// the next run can go on from there. A result of another size, version or number of threads is computed again.
 ///
 /// # Errors
 /// [`Error`]; experiments that were finished are kept.
 pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Result<Report, Error> {
+    // Refuse unknown names before any work.
     if let Some(name) = options.only.iter().find(|name| EXPERIMENTS.iter().all(|e| e.id != name.as_str())) {
         let known = EXPERIMENTS.map(|e| e.id).join(", ");
         return Err(Error::Unknown { name: name.clone(), known });
     }
+
+    // Set up the folder, the report and the lab.
     let folder = Folder::create(folder)?;
     let mut report = Report {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -71,6 +74,8 @@ pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Res
         sections: Vec::new(),
     };
     let mut lab = Lab::new(options.quick, watcher);
+
+    // Run each wanted experiment, unless an earlier run left its result in the folder.
     let wanted: Vec<_> = EXPERIMENTS
         .iter()
         .filter(|e| options.only.is_empty() || options.only.iter().any(|name| name == e.id))
@@ -93,6 +98,8 @@ pub fn reproduce(folder: &Path, options: &Options, watcher: &dyn Watcher) -> Res
         };
         report.sections.push(section);
     }
+
+    // Write the numbers and the page.
     watcher.begin("writing the page", wanted.len(), wanted.len());
     folder.write(NUMBERS, &(serde_json::to_string_pretty(&report.without_images())? + "\n"))?;
     folder.write(PAGE, &page::html(&report))?;

@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::{Cell, Claim, Figure, Report, Section, Table, Verdict};
+use crate::report::{Cell, Claim, Figure, Report, Section, Table, Verdict};
 
 const STYLE: &str = "
 :root { color-scheme: light; --ink: #1b1b1b; --faint: #666; --rule: #ddd; }

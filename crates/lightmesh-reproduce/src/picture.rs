@@ -6,21 +6,22 @@ use glam::Vec3;
 use lightmesh::{Camera, Image};
 use lightmesh_io::output::{Metadata, auto_exposure, write_png};
 
-use crate::{Error, Figure, Panel};
+use crate::error::Error;
+use crate::report::{Figure, Panel};
 
-/// Bytes as a data URI.
+/// Encodes bytes as a data URI.
 pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", STANDARD.encode(bytes))
 }
 
-/// Pictures beside each other, all exposed as the last one would be by itself.
+/// Makes a figure of pictures beside each other, all with the exposure that suits the last one.
 pub(crate) fn figure(caption: &str, pictures: &[(&str, &Image)]) -> Result<Figure, Error> {
     let ev = pictures.last().map_or(0.0, |(_, image)| auto_exposure(&image.pixels));
     let panels = pictures.iter().map(|(label, image)| panel(label, image, ev)).collect::<Result<_, _>>()?;
     Ok(Figure { caption: caption.to_owned(), panels })
 }
 
-/// A picture at an exposure, in EV.
+/// Makes a panel of a picture at an exposure, in EV.
 fn panel(label: &str, image: &Image, ev: f32) -> Result<Panel, Error> {
     let metadata = Metadata {
         software: format!("lightmesh {}", env!("CARGO_PKG_VERSION")),
@@ -37,10 +38,33 @@ fn panel(label: &str, image: &Image, ev: f32) -> Result<Panel, Error> {
     Ok(Panel { label: label.to_owned(), image: data_uri("image/png", &png) })
 }
 
-/// A part of a picture, each pixel `times` as large; what is outside is left out.
-pub(crate) fn enlarged(image: &Image, (left, top, width, height): (u32, u32, u32, u32), times: u32) -> Image {
-    let (left, top) = (left.min(image.width.saturating_sub(1)), top.min(image.height.saturating_sub(1)));
-    let (width, height) = (width.clamp(1, image.width - left), height.clamp(1, image.height - top));
+/// A rectangle of pixels, or of fractions of the picture's size.
+#[derive(Clone, Copy)]
+pub(crate) struct Rect<T> {
+    pub(crate) left: T,
+    pub(crate) top: T,
+    pub(crate) width: T,
+    pub(crate) height: T,
+}
+
+impl Rect<f32> {
+    /// Converts fractions of a picture's size, (width, height), to pixels.
+    pub(crate) fn to_pixels(self, size: (u32, u32)) -> Rect<u32> {
+        let pixels = |fraction: f32, all: u32| (fraction * all as f32) as u32;
+        Rect {
+            left: pixels(self.left, size.0),
+            top: pixels(self.top, size.1),
+            width: pixels(self.width, size.0),
+            height: pixels(self.height, size.1),
+        }
+    }
+}
+
+/// Cuts out a part of a picture, as far as it lies in the picture, and makes each of its pixels `times` as large.
+pub(crate) fn enlarged(image: &Image, part: Rect<u32>, times: u32) -> Image {
+    let left = part.left.min(image.width.saturating_sub(1));
+    let top = part.top.min(image.height.saturating_sub(1));
+    let (width, height) = (part.width.clamp(1, image.width - left), part.height.clamp(1, image.height - top));
     let pixel = |i: u32| {
         let (x, y) = (left + i % (width * times) / times, top + i / (width * times) / times);
         image.pixels[(y * image.width + x) as usize]
@@ -49,7 +73,7 @@ pub(crate) fn enlarged(image: &Image, (left, top, width, height): (u32, u32, u32
     Image { width: width_out, height: height_out, pixels: (0..width_out * height_out).map(pixel).collect() }
 }
 
-/// Luminance (Rec. 709), cd/m².
+/// Returns the luminance (Rec. 709), cd/m².
 pub(crate) fn luminance(color: Vec3) -> f64 {
     f64::from(color.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
 }
@@ -62,7 +86,7 @@ mod tests {
     fn enlarging_repeats_pixels() {
         let pixels = (0..6).map(|i| Vec3::splat(i as f32)).collect();
         let image = Image { width: 3, height: 2, pixels };
-        let part = enlarged(&image, (1, 1, 5, 5), 2);
+        let part = enlarged(&image, Rect { left: 1, top: 1, width: 5, height: 5 }, 2);
         assert_eq!((part.width, part.height), (4, 2));
         assert_eq!(part.pixels.iter().map(|p| p.x).collect::<Vec<_>>(), [4.0, 4.0, 5.0, 5.0, 4.0, 4.0, 5.0, 5.0]);
     }

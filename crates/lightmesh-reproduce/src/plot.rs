@@ -6,29 +6,31 @@ use plotters::prelude::*;
 
 pub(crate) use plotters::chart::SeriesLabelPosition;
 
+use crate::error::Error;
 use crate::picture::data_uri;
-use crate::{Error, Figure, Panel};
+use crate::report::{Figure, Panel};
 
 /// A plot of some lines.
 pub(crate) struct Plot<'a> {
     pub(crate) caption: &'a str,
-    /// Of the axes, with units.
+    /// Label of the horizontal axis, with its unit.
     pub(crate) x: &'a str,
+    /// Label of the vertical axis, with its unit.
     pub(crate) y: &'a str,
-    /// Where there is room for the lines' names.
+    /// Where the legend has room.
     pub(crate) names: SeriesLabelPosition,
     /// Whether both axes are logarithmic.
     pub(crate) logarithmic: bool,
     pub(crate) lines: Vec<Line>,
 }
 
-/// A line and what it is.
+/// A line and its name in the legend.
 pub(crate) struct Line {
     pub(crate) name: String,
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// Dark on white.
+/// Colours of the lines, dark on white.
 const COLORS: [RGBColor; 8] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 90, 181),
@@ -42,7 +44,7 @@ const COLORS: [RGBColor; 8] = [
 
 const SIZE: (u32, u32) = (760, 440);
 
-/// A number of an axis, three digits.
+/// Formats a number of an axis with three digits.
 fn tick(number: &f64) -> String {
     let digits = (2 - number.abs().max(1e-6).log10().floor() as i32).clamp(0, 6) as usize;
     let text = format!("{number:.digits$}");
@@ -51,7 +53,7 @@ fn tick(number: &f64) -> String {
 }
 
 impl Plot<'_> {
-    /// As a figure of one panel.
+    /// Draws the plot as a figure of one panel.
     pub(crate) fn figure(&self) -> Result<Figure, Error> {
         let mut svg = String::new();
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();

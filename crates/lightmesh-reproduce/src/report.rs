@@ -1,8 +1,8 @@
-//! What was found: the data of the page, and of its JSON.
+//! Results: the data of the page and of its JSON.
 
 use serde::{Deserialize, Serialize};
 
-/// All that one run of the experiments found.
+/// The results of one run of the experiments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// The program's version.
@@ -13,18 +13,18 @@ pub struct Report {
     pub quick: bool,
     /// Threads that rendered.
     pub threads: usize,
-    /// In the order of the page.
+    /// The experiments in the order of the page.
     pub sections: Vec<Section>,
 }
 
-/// What one experiment found.
+/// The result of one experiment.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Section {
     /// Its name in the registry.
     pub id: String,
     /// Its heading.
     pub title: String,
-    /// What of the paper it repeats.
+    /// Which part of the paper it repeats.
     pub paper: String,
     /// Paragraphs.
     pub text: Vec<String>,
@@ -43,7 +43,7 @@ pub struct Table {
     pub caption: String,
     /// Headings, with units.
     pub columns: Vec<String>,
-    /// As many cells as there are headings.
+    /// Rows, each with as many cells as there are headings.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -53,9 +53,9 @@ pub struct Table {
 pub enum Cell {
     /// Nothing: it was not measured, or the paper does not say.
     Nothing(()),
-    /// How many.
+    /// A count.
     Count(u64),
-    /// How much.
+    /// A measured number.
     Number(f64),
     /// Words.
     Text(String),
@@ -129,19 +129,19 @@ pub struct Claim {
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Verdict {
-    /// As the paper has it.
+    /// The paper is right.
     #[serde(rename = "holds")]
     Holds,
-    /// What is claimed happens, but not as much, or only in part.
+    /// The effect is there, but smaller, or only in part.
     #[serde(rename = "holds differently")]
     Differently,
-    /// The contrary was found.
+    /// The effect is not there, or is the contrary.
     #[serde(rename = "does not hold")]
     Fails,
 }
 
 impl Verdict {
-    /// The first that is true: the whole claim, or what is left of it.
+    /// Judges a claim: whether all of it is true, and whether a part of it is.
     pub(crate) fn of(whole: bool, part: bool) -> Self {
         match (whole, part) {
             (true, _) => Self::Holds,
@@ -150,7 +150,7 @@ impl Verdict {
         }
     }
 
-    /// As the page says it.
+    /// Returns the words for the page.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -161,7 +161,7 @@ impl Verdict {
 }
 
 impl Report {
-    /// The same without pictures and plots: only their captions and labels.
+    /// Returns a copy without pictures and plots, only with their captions and labels.
     pub fn without_images(&self) -> Self {
         let mut report = self.clone();
         let panels =

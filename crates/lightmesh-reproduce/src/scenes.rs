@@ -4,7 +4,7 @@ use glam::Vec3;
 use lightmesh::{Camera, Light, SceneData};
 use lightmesh_io::{LoadOptions, load_gltf_bytes};
 
-use crate::Error;
+use crate::error::Error;
 
 /// A scene, told from others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,7 +21,7 @@ const ROOM: &[u8] = include_bytes!("../../../scenes/room_1000.glb");
 const TRIANGLE: &[u8] = include_bytes!("../../../scenes/triangle.glb");
 const CORNELL: &[u8] = include_bytes!("../../../scenes/cornell.glb");
 
-/// What a scene holds, and its camera.
+/// Reads a scene and its camera.
 pub(crate) fn read(name: SceneName) -> Result<(SceneData, Camera), Error> {
     let (file, bytes) = match name {
         SceneName::Room(_) => ("room_1000.glb", ROOM),
@@ -42,7 +42,7 @@ pub(crate) fn read(name: SceneName) -> Result<(SceneData, Camera), Error> {
     Ok((data, camera))
 }
 
-/// Where the only light of a scene is.
+/// Returns the position of the only light of a scene.
 pub(crate) fn light_of(data: &SceneData) -> Vec3 {
     match data.lights.first() {
         Some(Light::Point { position, .. }) => *position,

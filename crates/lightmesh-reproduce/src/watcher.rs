@@ -1,4 +1,4 @@
-//! Who looks on while experiments run.
+//! Progress of the experiments.
 
 /// Hears how far the experiments are, and may stop them.
 pub trait Watcher: Sync {
@@ -12,11 +12,11 @@ pub trait Watcher: Sync {
         let _ = what;
     }
 
-    /// Whether the work should stop; asked every few milliseconds.
+    /// Returns whether the work should stop; called every few milliseconds.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// Nobody.
+/// Ignores everything.
 impl Watcher for () {}

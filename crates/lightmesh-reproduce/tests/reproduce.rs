@@ -31,8 +31,8 @@ fn numbers(folder: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(folder.join(NUMBERS)).expect("numbers")).expect("JSON")
 }
 
-/// The quick run of everything: its numbers keep to the schema, every experiment is there, every claim is judged, and the page needs
-/// nothing from elsewhere.
+/// The quick run of everything: its numbers keep to the schema, every experiment is there, every claim is judged, and
+/// the page needs nothing from elsewhere.
 #[test]
 fn all_experiments_make_a_page() {
     let folder = tempfile::tempdir().expect("folder");

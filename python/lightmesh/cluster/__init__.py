@@ -11,7 +11,7 @@ docs/scaling.md says how work is cut, what travels and where more machines bring
 """
 
 from lightmesh.cluster.errors import ClusterError, JobInUseError, JobMismatchError, RayMissingError
-from lightmesh.cluster.front import bake, render, render_frames
+from lightmesh.cluster.api import bake, render, render_frames
 
 __all__ = [
     "ClusterError",

@@ -1,5 +1,4 @@
-"""What depends on what: from the frames of a job to its light mesh and its pictures. Who does the tasks is an
-executor's affair.
+"""The order of the tasks of a job, from its frames to its light mesh and its pictures. An executor runs them.
 
 For each level of the meshes (there is one, unless they are refined):
 
@@ -24,10 +23,10 @@ from typing import Any
 import numpy
 
 from lightmesh._native import Image, LightMesh, join_bricks, subtract_bricks
-from lightmesh.cluster.cuts import count_points, cut_bricks, cut_waves
-from lightmesh.cluster.folder import JobFolder
+from lightmesh.cluster.partition import count_points, cut_bricks, cut_waves
+from lightmesh.cluster.job_store import JobStore
 from lightmesh.cluster.job import Pictures
-from lightmesh.cluster.measured import Measured
+from lightmesh.cluster.timings import Timings
 from lightmesh.cluster.task import Array, Executor, Result, Shared, Task, size_of
 from lightmesh.errors import OptionError
 
@@ -51,7 +50,7 @@ class _Group:
 
 
 class Plan:
-    """One job on its way."""
+    """A job that is being done."""
 
     def __init__(
         self,
@@ -60,11 +59,11 @@ class Plan:
         executor: Executor,
         *,
         tasks_per_stage: int,
-        folder: JobFolder | None = None,
+        folder: JobStore | None = None,
         report: Report | None = None,
     ) -> None:
         """pictures, job: of the same job, here and for the workers."""
-        self.measured = Measured()
+        self.timings = Timings()
         self._pictures, self._job, self._executor = pictures, job, executor
         self._tasks_per_stage, self._folder = tasks_per_stage, folder
         self._report = report or (lambda stage, done, total, rays: None)
@@ -90,8 +89,8 @@ class Plan:
             self._fill_direct(direct)
             self._bounce(groups)
 
-    def take_over(self) -> None:
-        """Puts what has been filled into the mesh of this process."""
+    def absorb(self) -> None:
+        """Adds everything that workers have filled to the mesh of this process."""
         for contents in self._contents:
             for part in self._executor.fetch(contents):
                 self._pictures.any().absorb(part)
@@ -228,26 +227,27 @@ class Plan:
         self._add_contents(filled)
 
     def _add_contents(self, parts: list[Array]) -> None:
-        """Gives all workers what has been filled."""
+        """Shares filled points with all workers."""
         if parts:
             self._contents.append(self._share(parts, sum(part.nbytes for part in parts)))
 
     def _share(self, value: Any, size: int) -> Shared:
-        note = self.measured.share(size)
+        note = self.timings.share(size)
         if self._folder is not None:
             self._folder.note(note)
         return self._executor.share(value, size)
 
     def _cut(self, bricks: Array) -> Iterator[tuple[str, str, Array]]:
-        """Groups of bricks, each with a name that belongs to it alone and one for people."""
+        """Cuts bricks into groups. Yields for each a unique name, a label for people, and its bricks."""
         for part in cut_bricks(bricks, self._tasks_per_stage):
             name = hashlib.sha256(part.tobytes()).hexdigest()[:20]
             first, last = (int(word) & 0xFFFFFFFF for word in (part[0, 0], part[-1, 0]))
             yield name, f"bricks {first}-{last}", part
 
     def _finish(self, stage: str, queue: deque[Task]) -> Iterator[tuple[Task, Result, str | None]]:
-        """Does the tasks of a queue, to which more may be added meanwhile: each with its result, and the node that did
-        it. What the job folder has is not done again."""
+        """Runs the tasks of a queue, to which more may be added meanwhile. Yields each with its result and its node.
+
+        A task whose result the job folder has is not run again."""
         self._total += len(queue)
         folder = self._folder
         found: deque[Task] = deque()
@@ -271,15 +271,15 @@ class Plan:
                     yield task, result, None
 
         self._report(stage, self._done, self._total, self._rays)
-        with self.measured.stage(stage) as began:
+        with self.timings.stage(stage) as beginning:
             if folder is not None:
-                folder.note(began)
+                folder.note(beginning)
             while queue:
                 for task, outcome in self._executor.run(self._job, next_task):
-                    took = self.measured.add(stage, task, outcome)
+                    entry = self.timings.add(stage, task, outcome)
                     if folder is not None:
                         folder.write(task, outcome.result)
-                        folder.note(took)
+                        folder.note(entry)
                     self._count(stage, outcome.result)
                     yield task, outcome.result, outcome.node
                     yield from stored()
@@ -293,7 +293,7 @@ class Plan:
 
 
 def _in_turn(groups: Sequence[_Group]) -> list[_Group]:
-    """One of each home in turn."""
+    """Sorts groups so that their homes take turns."""
     turns: dict[str | None, int] = {}
     keyed = []
     for group in groups:
@@ -303,6 +303,6 @@ def _in_turn(groups: Sequence[_Group]) -> list[_Group]:
 
 
 def _join_level(parts: Sequence[Result]) -> Result:
-    """T_k of all groups. A group whose points are all inside solids has none, in another shape."""
+    """Joins T_k of all groups. A group whose points are all inside solids has no values, in another shape."""
     some = [part for part in parts if len(part["points"])] or parts[:1]
     return {name: numpy.concatenate([part[name] for part in some]) for name in ("points", "values")}

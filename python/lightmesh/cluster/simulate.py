@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lightmesh.cluster.cuts import TASKS_PER_WORKER
+from lightmesh.cluster.partition import TASKS_PER_WORKER
 from lightmesh.cluster.trace import Stage, Trace
 
 #: Tasks for each worker that are on their way at a time, as `ray_backend.IN_FLIGHT`.

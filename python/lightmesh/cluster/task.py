@@ -1,4 +1,4 @@
-"""Pieces of work, what becomes of them, and who does them."""
+"""Tasks, their results, and the executors that run them."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[Any]
-#: What a task brings: arrays, numbers and texts by name. Nobody changes them.
+#: The result of a task: arrays, numbers and texts by name. Nobody changes them.
 Result: TypeAlias = Mapping[str, Any]
 
 
@@ -49,7 +49,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a task brought, and what it took."""
+    """The result of a task, and its cost."""
 
     result: Result
     node: str

@@ -1,4 +1,4 @@
-"""What a job took, as its folder tells it, cut for other numbers of workers."""
+"""The cost of a job as its folder recorded it, cut for other numbers of workers."""
 
 import json
 from collections.abc import Sequence

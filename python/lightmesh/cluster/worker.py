@@ -1,4 +1,4 @@
-"""What a worker process does: tasks of one job, with what earlier ones have left.
+"""A worker process: runs tasks of one job, and keeps what earlier tasks have left.
 
 The scene, the light mesh as far as it is filled and gathered points are kept from task to task. All of it can be made
 again, so that a task may run in any process and again after a process has died.
@@ -23,7 +23,7 @@ Fetch: TypeAlias = Callable[[Shared], Any]
 
 
 def execute(job: Shared, task: Task, fetch: Fetch, node: str) -> Outcome:
-    """Does a task in this process. fetch: brings what is shared."""
+    """Runs a task in this process. fetch: returns a shared value."""
     global _process
     started, processor = time.perf_counter(), time.process_time()
     if _process is None or _process.id != job.id:
@@ -56,7 +56,7 @@ def forget() -> None:
 
 @dataclass
 class _Group:
-    """Gathered points."""
+    """Points of the indirect mesh that are gathered for together."""
 
     gathering: Gathering
     bytes: int
@@ -65,7 +65,7 @@ class _Group:
 
 
 class _Process:
-    """What this process has of a job."""
+    """The state of a job in this process."""
 
     def __init__(self, job: Shared, fetch: Fetch) -> None:
         self.id = job.id
@@ -83,13 +83,13 @@ class _Process:
         self._last_level: tuple[str, Level] | None = None
 
     def begin(self, fetch: Fetch) -> None:
-        """Before a task."""
+        """Resets the counters before a task."""
         self._fetch_shared = fetch
         self.setup_seconds = self.fetch_seconds = 0.0
         self.bytes_in = 0
 
     def do(self, task: Task) -> Result:
-        """Does a task."""
+        """Runs a task."""
         functions: dict[str, Callable[..., Result]] = {
             "demand": self._demand,
             "gather": self._gather,
@@ -178,13 +178,13 @@ class _Process:
 
     @contextmanager
     def _setting_up(self) -> Iterator[None]:
-        """Counts what is not the task's own."""
+        """Counts time as setup instead of as the task's own."""
         started, fetched = time.perf_counter(), self.fetch_seconds
         yield
         self.setup_seconds += time.perf_counter() - started - (self.fetch_seconds - fetched)
 
     def _fetch(self, shared: Shared) -> Any:
-        """The first time that the process asks, it may have to come from afar."""
+        """Fetches something shared. The first time, when it may come from another node, its time and bytes are counted."""
         started = time.perf_counter()
         value = self._fetch_shared(shared)
         if shared.id not in self._seen:

@@ -8,8 +8,8 @@ use super::environment::{self, EnvironmentArg};
 /// Defaults are those of [`EmitterOptions`]; a test holds them together.
 #[derive(Clone, Debug, PartialEq, Args)]
 pub struct EmitterArgs {
-    /// Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its middle is +X, its top
-    /// +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)
+    /// Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its middle is +X, its
+    /// top +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)
     #[arg(long, value_name = "FILE|COLOUR", value_parser = environment::parse, allow_hyphen_values = true, help_heading = "Emitters")]
     pub(crate) environment: Option<EnvironmentArg>,
     /// Multiply the environment, also the file's own: cd/m² per unit of the map or colour

@@ -10,7 +10,7 @@ use lightmesh_io::output::linear_from_srgb;
 pub(crate) enum EnvironmentArg {
     /// A latitude-longitude map.
     File(PathBuf),
-    /// The same in every direction, linear.
+    /// One colour in every direction, linear.
     Color(Vec3),
 }
 

@@ -3,7 +3,7 @@
 use lightmesh::Image;
 use lightmesh_io::output::auto_exposure;
 
-/// How bright a PNG shows the picture.
+/// The exposure of a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
     /// Chosen from the picture.

@@ -36,7 +36,7 @@ pub(crate) fn parse(text: &str) -> Result<Interpolation, String> {
     }
 }
 
-/// What [`parse`] makes it from.
+/// Spells an interpolation as [`parse`] reads it.
 pub(crate) fn spell(interpolation: Interpolation) -> String {
     match interpolation {
         Interpolation::Auto => "auto".to_owned(),

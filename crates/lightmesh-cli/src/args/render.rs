@@ -26,7 +26,7 @@ Examples:
 /// The most samples per pixel where time is what limits them.
 const MOST_SPP: u32 = 1 << 16;
 
-/// Everything that `render` may be told. Defaults are those of [`RenderOptions`]; a test holds them together.
+/// The arguments of `render`. Defaults are those of [`RenderOptions`]; a test holds them together.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
@@ -48,8 +48,8 @@ pub(crate) struct RenderArgs {
     /// Layers that .exr files get beside the light (docs/aov.md), separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = aov::parser(), help_heading = "Output")]
     aov: Vec<Aov>,
-    /// Write the picture so far to this .png, exposed and tone mapped, about once a second while it improves; it changes
-    /// nothing of the finished picture, which it becomes
+    /// Write the picture so far to this .png, exposed and tone mapped, about once a second while it improves; it
+    /// changes nothing of the finished picture, which it becomes
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) preview: Option<PathBuf>,
     /// Write seconds, rays, mesh points and memory as JSON
@@ -65,16 +65,17 @@ pub(crate) struct RenderArgs {
     /// How light is computed
     #[arg(long, value_enum, default_value = "mesh", help_heading = "Light")]
     method: MethodArg,
-    /// Keep the error of the light, relative to the picture's mean, at most so large (0.05 is 5%); with --method mesh: it then
-    /// reads the mesh light by light and shoots as many shadow rays as that takes, all of them where lights are few
+    /// Keep the error of the light, relative to the picture's mean, at most so large (0.05 is 5%); with --method mesh:
+    /// it then reads the mesh light by light and shoots as many shadow rays as that takes, all of them where lights are
+    /// few
     #[arg(long, value_name = "E", allow_hyphen_values = true, help_heading = "Light")]
     error: Option<f32>,
-    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre [default: 4; with --time-limit,
-    /// which makes it the most, 65536]
+    /// Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre [default: 4; with
+    /// --time-limit, which makes it the most, 65536]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..), help_heading = "Light")]
     spp: Option<u32>,
-    /// Take samples until the render, from the built scene on, has taken this long; every pixel gets one, however long that
-    /// takes. How many there are in time is never quite the same, and nor is the picture
+    /// Take samples until the render, from the built scene on, has taken this long; every pixel gets one, however long
+    /// that takes. How many there are in time is never quite the same, and nor is the picture
     #[arg(long, value_name = "SECONDS", value_parser = time_limit::parse, allow_hyphen_values = true, help_heading = "Light")]
     pub(crate) time_limit: Option<Duration>,
     /// Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard computes none
@@ -89,8 +90,8 @@ pub(crate) struct RenderArgs {
     /// Attenuation of light with distance: r2 (physical) or C+r, C in metres (the paper's phi 3)
     #[arg(long, value_name = "r2|C+r", default_value = "r2", value_parser = falloff::parse, allow_hyphen_values = true, help_heading = "Light")]
     falloff: Falloff,
-    /// Error of the sum over more than 512 lights or light samples, as a part of all light that arrives at a place, 0 to below 1; 0: every
-    /// light by itself, as --method standard and path always do
+    /// Error of the sum over more than 512 lights or light samples, as a part of all light that arrives at a place, 0
+    /// to below 1; 0: every light by itself, as --method standard and path always do
     #[arg(long, value_name = "FRACTION", default_value_t = RenderOptions::default().light_error, value_parser = fraction, allow_hyphen_values = true, help_heading = "Light")]
     light_error: f32,
     /// Seed of all randomness
@@ -100,8 +101,8 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) emitters: EmitterArgs,
 
-    /// Go on with the light mesh in this file, which --save-mesh wrote for the same scene and the same settings of the mesh; the picture is
-    /// the same, and sooner
+    /// Go on with the light mesh in this file, which --save-mesh wrote for the same scene and the same settings of the
+    /// mesh; the picture is the same, and sooner
     #[arg(long, value_name = "FILE", help_heading = "Light mesh")]
     pub(crate) mesh: Option<PathBuf>,
     /// Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)
@@ -113,11 +114,12 @@ pub(crate) struct RenderArgs {
     /// Rays that gather light at a point of the indirect mesh, 1 to 65536
     #[arg(long, value_name = "N", default_value_t = RenderOptions::default().gather_rays, value_parser = value_parser!(u32).range(1..=65536), help_heading = "Light mesh")]
     gather_rays: u32,
-    /// How often the meshes may halve their spacing where their light is not good enough, 0 to 4 [default: 0, with --error 2]
+    /// How often the meshes may halve their spacing where their light is not good enough, 0 to 4 [default: 0, with
+    /// --error 2]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(..=4), help_heading = "Light mesh")]
     refine: Option<u32>,
-    /// Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, nearer than half of it a
-    /// quarter, nearer than a quarter of it an eighth
+    /// Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, nearer than
+    /// half of it a quarter, nearer than a quarter of it an eighth
     #[arg(long, value_name = "METRES", allow_hyphen_values = true, help_heading = "Light mesh")]
     graded: Option<f32>,
     /// Shadow rays, and gather rays if there are bounces, at each hit with --method unbiased, 1 to 65536
@@ -207,7 +209,7 @@ impl RenderArgs {
         }
     }
 
-    /// How the scene file is read.
+    /// Returns the options of reading the scene file.
     pub(crate) fn load_options(&self) -> LoadOptions {
         LoadOptions {
             units: match self.units {

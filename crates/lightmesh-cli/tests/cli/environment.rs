@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use crate::place::Place;
 
-/// A folder with `plane.gltf`, the triangle with albedo 0.5 and no light, and `sky.gltf`, the same under a sky of radiance
-/// (2, 0, 0) of its own.
+/// A folder with `plane.gltf`, the triangle with albedo 0.5 and no light, and `sky.gltf`, the same under a sky of
+/// radiance (2, 0, 0) of its own.
 fn place() -> Place {
     let place = Place::new();
     place.write_unlit("plane.gltf");

@@ -10,7 +10,8 @@ pub(crate) struct Place {
     pub(crate) folder: TempDir,
 }
 
-/// A triangle of positions (0,0,0), (1,0,0), (0,1,0), little-endian floats in base64, seen by one camera, lit by one lamp.
+/// A triangle of positions (0,0,0), (1,0,0), (0,1,0), little-endian floats in base64, seen by one camera, lit by one
+/// lamp.
 const SCENE: &str = r#"{
   "asset": { "version": "2.0" },
   "extensionsUsed": ["KHR_lights_punctual"],

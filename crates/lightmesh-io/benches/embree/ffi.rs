@@ -76,8 +76,8 @@ impl Embree {
 
     /// Builds a scene of these triangles.
     pub(crate) fn scene(&self, triangles: &[[Vec3; 3]], quality: Quality, flags: Flags) -> Result<EmbreeScene, String> {
-        // SAFETY: signatures and constants are those of rtcore_scene.h and rtcore_geometry.h of Embree 4; each buffer is
-        // written within the size it was created with.
+        // SAFETY: signatures and constants are those of rtcore_scene.h and rtcore_geometry.h of Embree 4; each buffer
+        // is written within the size it was created with.
         unsafe {
             macro_rules! function {
                 ($name:literal, $type:ty) => {{

@@ -76,7 +76,7 @@ struct Sparse<'a> {
 pub(super) struct Accessor<'a> {
     /// Number of elements.
     pub(super) count: usize,
-    /// What each component is.
+    /// The type of a component.
     pub(super) component: Component,
     /// Components per element, 1 to 4.
     pub(super) components: usize,
@@ -129,7 +129,7 @@ impl<'a> Accessor<'a> {
         Ok(Self { count: accessor.count as usize, component, components, normalized, base, sparse })
     }
 
-    /// Whether components are integers that are not mapped to [0, 1] or [−1, 1].
+    /// Returns whether components are integers that are not mapped to [0, 1] or [−1, 1].
     pub(super) fn is_plain_integer(&self) -> bool {
         self.component != Component::F32 && !self.normalized
     }
@@ -171,7 +171,7 @@ impl<'a> Accessor<'a> {
         self.base.map(|base| base.element(i, size))
     }
 
-    /// One component, by glTF 2.0, 3.6.2.2 "Accessor Data Types" and its table of normalised integers.
+    /// Converts one component, by glTF 2.0, 3.6.2.2 "Accessor Data Types" and its table of normalised integers.
     fn component_value(&self, bytes: &[u8]) -> f32 {
         let (value, largest) = match (self.component, bytes) {
             (Component::I8, &[a]) => (f32::from(a as i8), 127.0),
@@ -196,10 +196,10 @@ fn unsigned(component: Component, bytes: &[u8]) -> u32 {
     }
 }
 
-/// Whether `byteStride` counts.
+/// The distance between elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stride {
-    /// As the buffer view says, else tight.
+    /// That of the buffer view, else tight.
     OfView,
     /// Tight whatever the view says: sparse indices and values.
     Tight,

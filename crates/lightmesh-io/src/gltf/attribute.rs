@@ -10,9 +10,9 @@ use crate::error::Error;
 /// A primitive in a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitivePlace<'a> {
-    /// Its mesh.
+    /// The mesh of the primitive.
     pub(super) mesh: Place<'a>,
-    /// Its index there.
+    /// The index of the primitive in its mesh.
     pub(super) primitive: usize,
 }
 
@@ -25,7 +25,7 @@ impl Display for PrimitivePlace<'_> {
 /// Opens the accessors of one primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AttributeReader<'a> {
-    /// Where the bytes are.
+    /// The buffers with the bytes.
     pub(super) buffers: &'a Buffers<'a>,
     /// The primitive, for messages.
     pub(super) at: PrimitivePlace<'a>,
@@ -92,7 +92,7 @@ impl<'a> AttributeReader<'a> {
     }
 }
 
-/// Which elements of the attributes are kept, in order.
+/// The elements of the attributes that are kept, in order.
 #[derive(Debug)]
 pub(super) enum Vertices {
     All,
@@ -101,8 +101,9 @@ pub(super) enum Vertices {
 }
 
 impl Vertices {
-    /// All vertices, unless the triangles are too few to use them all: then those that they use, and the triangles are
-    /// renumbered. So a primitive never takes more vertices than it has corners, whatever array it shares with others.
+    /// Keeps all vertices, unless the triangles are too few to use them all: then those that they use, and the
+    /// triangles are renumbered. So a primitive never takes more vertices than it has corners, whatever array it shares
+    /// with others.
     pub(super) fn used_by(
         context: &mut Context<'_>,
         at: PrimitivePlace<'_>,

@@ -34,8 +34,8 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>, Er
     }
 
     // Header: magic, version, length of the whole file.
-    let word = |at: usize| -> Option<u32> {
-        let bytes = bytes.get(at..at.checked_add(4)?)?;
+    let word = |offset: usize| -> Option<u32> {
+        let bytes = bytes.get(offset..offset.checked_add(4)?)?;
         Some(u32::from_le_bytes(bytes.try_into().ok()?))
     };
     let (Some(version), Some(length)) = (word(4), word(8)) else {
@@ -57,14 +57,14 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>, Er
 
     // Chunks: length, kind, data. The first is JSON, BIN may follow, others are for extensions.
     let (mut json, mut binary) = (None, None);
-    let mut at = 12;
+    let mut offset = 12;
     let mut index = 0;
-    while at < body.len() {
-        let place = || format!("GLB chunk {index} at byte {at}");
-        let (Some(chunk_length), Some(kind)) = (word(at), word(at + 4)) else {
+    while offset < body.len() {
+        let place = || format!("GLB chunk {index} at byte {offset}");
+        let (Some(chunk_length), Some(kind)) = (word(offset), word(offset + 4)) else {
             return Err(syntax(place(), "its header is cut off; the file is incomplete or damaged".into()));
         };
-        let start = at + 8;
+        let start = offset + 8;
         let end = start as u64 + u64::from(chunk_length);
         let Some(data) = usize::try_from(end).ok().and_then(|end| body.get(start..end)) else {
             let left = body.len().saturating_sub(start);
@@ -78,7 +78,7 @@ pub(super) fn split<'a>(file: &str, bytes: &'a [u8]) -> Result<Container<'a>, Er
             (_, BINARY_CHUNK) if binary.is_none() => binary = Some(data),
             _ => {}
         }
-        at = start + data.len();
+        offset = start + data.len();
         index += 1;
     }
     match json {

@@ -1,11 +1,11 @@
-//! What every step of the reader needs: the file's name, the options, the budget, the warnings.
+//! The state of one reading: the file's name, the options, the budget, the warnings.
 
 use std::fmt::{self, Display};
 use std::path::Path;
 
-use crate::LoadOptions;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::LoadOptions;
 use crate::warnings::Warnings;
 
 /// The state of one reading.
@@ -13,7 +13,7 @@ use crate::warnings::Warnings;
 pub(super) struct Context<'a> {
     /// The scene file, for messages.
     pub(super) file: &'a str,
-    /// Where its URIs start; `None`: it may have none.
+    /// The folder that URIs are relative to; `None` if the file may have no URIs.
     pub(super) folder: Option<&'a Path>,
     pub(super) options: &'a LoadOptions,
     pub(super) budget: Budget,

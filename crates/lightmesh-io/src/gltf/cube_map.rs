@@ -36,7 +36,7 @@ impl CubeMap {
         sample_map(self.width(), SUBSAMPLES, |direction| self.radiance(direction))
     }
 
-    /// What is seen along a direction: bilinear within a face, whose border texels go on.
+    /// Returns the radiance along a direction: bilinear within a face, whose border texels are repeated.
     fn radiance(&self, direction: Vec3) -> Vec3 {
         let (face, uv) = place_of(direction);
         let face = &self.faces[face];

@@ -14,8 +14,8 @@ use crate::error::{Error, one_line};
 /// Columns of a map made of nine coefficients, which show nothing finer than 60°.
 const SMOOTH_WIDTH: u32 = 64;
 
-/// The environment of the chosen scene: from the sharpest level of its cube map, else from the coefficients of its
-/// irradiance. A texel of 1 with an intensity of 1 is 1 cd/m².
+/// Reads the environment of the chosen scene: from the sharpest level of its cube map, else from the coefficients of
+/// its irradiance. A texel of 1 with an intensity of 1 is 1 cd/m².
 pub(super) fn environment(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,
@@ -73,7 +73,8 @@ fn pay(context: &mut Context<'_>, light: Place<'_>, width: u32) -> Result<(), Er
     context.spend(light, u64::from(width) * u64::from(width / 2), 2 * size_of::<[f32; 4]>() as u64)
 }
 
-/// The sharpest level; `None`, with a warning unless there is no level at all, where a face is missing or of another shape.
+/// The sharpest level; `None`, with a warning unless there is no level at all, where a face is missing or of another
+/// shape.
 fn cube_map(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,

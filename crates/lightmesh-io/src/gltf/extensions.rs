@@ -1,4 +1,4 @@
-//! Which extensions are read, and what to say about the others.
+//! The extensions that are read, and messages about the others.
 
 use super::context::Context;
 use super::json::{Document, MaterialExtensions};
@@ -18,8 +18,8 @@ const READ: [&str; 10] = [
     "EXT_texture_webp",
 ];
 
-/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them, and requiring them
-/// is odd but harmless.
+/// Extensions that do not touch a still picture, or whose fallback is the picture: no word about them, and requiring
+/// them is odd but harmless.
 const HARMLESS: [&str; 7] = [
     "EXT_structural_metadata",
     "EXT_mesh_features",
@@ -30,8 +30,8 @@ const HARMLESS: [&str; 7] = [
     "MSFT_lod",
 ];
 
-/// How to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain geometry
-/// where it reads compressed.
+/// Advises how to get rid of an extension. The commands are those of glTF Transform's command line, which writes plain
+/// geometry where it reads compressed.
 fn advice(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
@@ -53,7 +53,7 @@ fn advice(extension: &str) -> &'static str {
     }
 }
 
-/// Whether it is one of the extensions that each material is asked for.
+/// Returns whether it is an extension of materials, which every material reports by itself.
 fn is_of_materials(extension: &str) -> bool {
     MaterialExtensions::default().unread().iter().any(|(name, _)| *name == extension)
 }
@@ -68,8 +68,8 @@ pub(super) fn not_read(extension: &str) -> String {
     }
 }
 
-/// Refuses a file that requires what we do not read; warns about optional extensions that may change the picture. Those of
-/// materials are left to the materials that the scene uses.
+/// Refuses a file that requires what we do not read; warns about optional extensions that may change the picture. Those
+/// of materials are left to the materials that the scene uses.
 pub(super) fn check(context: &mut Context<'_>, document: &Document) -> Result<(), Error> {
     let unread = |name: &&String| !READ.contains(&name.as_str()) && !HARMLESS.contains(&name.as_str());
     if let Some(name) = document.extensions_required.iter().find(unread) {

@@ -4,9 +4,9 @@
 //! where such an image is used as colour its sRGB curve is undone here, and an image that is used both ways is kept
 //! twice.
 //!
-//! An image that is missing or cannot be decoded is left out with a warning: a scene without one of its textures is still
-//! worth a picture. What the file must not ask for (paths out of its folder, more memory than allowed) stays an error, and
-//! so does an index that refers to nothing.
+//! An image that is missing or cannot be decoded is left out with a warning: a scene without one of its textures is
+//! still worth a picture. What the file must not ask for (paths out of its folder, more memory than allowed) stays an
+//! error, and so does an index that refers to nothing.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ struct Source<'a> {
     index: usize,
     name: &'a str,
     bytes: Cow<'a, [u8]>,
-    /// How it is used: as colour, as numbers.
+    /// Whether it is used as colour, or else as numbers.
     srgb: bool,
     linear: bool,
 }
@@ -47,7 +47,7 @@ struct Decoded {
     linear: Option<Texels>,
 }
 
-/// What can be shown of the used textures.
+/// The used textures whose images could be read.
 #[derive(Debug)]
 pub(super) struct Shown {
     pub(super) textures: Vec<Texture>,
@@ -138,8 +138,8 @@ pub(super) struct RadianceImage {
     pub(super) texels: Vec<Vec3>,
 }
 
-/// One of the images that EXT_lights_image_based names: with alpha RGBD, else sRGB. `None`, and a warning, where it cannot
-/// be read.
+/// Decodes an image of EXT_lights_image_based: with alpha RGBD, else sRGB. `None`, and a warning, where it
+/// cannot be read.
 pub(super) fn decode_radiance(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,
@@ -243,13 +243,13 @@ fn decoder<'a>(source: &'a Source<'_>, limit: u64) -> ImageResult<impl ImageDeco
 #[derive(Clone, Copy, Debug)]
 struct Size {
     texels: u64,
-    /// Of the decoder's output.
+    /// Bytes of the decoder's output.
     decoded: u64,
-    /// Of the texels that stay.
+    /// Bytes of the texels that stay.
     kept: u64,
-    /// Of the smaller copies that the built scene has of colours.
+    /// Bytes of the smaller copies that the built scene has of colours.
     smaller: u64,
-    /// Of the decoder's output and our conversion, on top while it works.
+    /// Bytes of the decoder's output and our conversion, on top while it works.
     transient: u64,
 }
 
@@ -274,7 +274,7 @@ impl Size {
     }
 }
 
-/// Whether the channels have more than eight bits.
+/// Returns whether the channels have more than eight bits.
 fn is_deep(color: ColorType) -> bool {
     color.bytes_per_pixel() > color.channel_count()
 }

@@ -8,13 +8,13 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Irradiance(pub(super) [Vec3; 9]);
 
-/// What the cosine lobe makes of each band: E_lm = Â_l L_lm, with Â = π, 2π/3, π/4. Ramamoorthi and Hanrahan, "An Efficient
-/// Representation for Irradiance Environment Maps", SIGGRAPH 2001, equations (5) and (8).
+/// The factor of the cosine lobe for each band: E_lm = Â_l L_lm, with Â = π, 2π/3, π/4. Ramamoorthi and Hanrahan, "An
+/// Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001, equations (5) and (8).
 const COSINE_LOBE: [f32; 3] = [PI, TAU / 3.0, FRAC_PI_4];
 
 impl Irradiance {
-    /// Radiance along a unit direction: L(ω) = max(0, Σ E_lm / Â_l · Y_lm(ω)). A source sharper than l = 2 comes out blurred,
-    /// with the same irradiance wherever nothing was below 0.
+    /// Radiance along a unit direction: L(ω) = max(0, Σ E_lm / Â_l · Y_lm(ω)). A source sharper than l = 2 comes out
+    /// blurred, with the same irradiance wherever nothing was below 0.
     pub(super) fn radiance(&self, direction: Vec3) -> Vec3 {
         let band = |i: usize| COSINE_LOBE[[0, 1, 1, 1, 2, 2, 2, 2, 2][i]];
         let basis = basis(direction);

@@ -9,13 +9,13 @@ use super::context::{Context, Place, place};
 use super::json::{self, Document};
 use super::node::Placed;
 use super::normals::unit;
-use crate::Units;
 use crate::error::Error;
+use crate::load_options::Units;
 
 /// Luminous efficacy that Blender's exporter multiplies lamps by, lm/W.
 const LUMENS_PER_WATT: f32 = 683.0;
 
-/// The scene's lights in the order of their nodes.
+/// Reads the scene's lights in the order of their nodes.
 pub(super) fn lights(context: &mut Context<'_>, document: &Document, placed: &[Placed]) -> Result<Vec<Light>, Error> {
     let descriptions = document.extensions.lights_punctual.as_ref().map_or(&[][..], |l| &l.lights);
     context.spend("lights", placed.len() as u64, size_of::<Light>() as u64)?;
@@ -28,13 +28,14 @@ pub(super) fn lights(context: &mut Context<'_>, document: &Document, placed: &[P
     Ok(lights)
 }
 
-/// One light; `None` where its direction is lost in a zero scale.
+/// Reads one light; `None` if its direction is lost in a zero scale.
 fn light(
     context: &mut Context<'_>,
     node_place: Place<'_>,
     placed: &Placed,
     light: &json::Light,
 ) -> Result<Option<Light>, Error> {
+    // Check its colour and intensity, and convert the unit.
     let light_place = place("light", placed.index, light.name.as_deref());
     if !(light.intensity >= 0.0 && light.intensity.is_finite()) {
         let what = format!("intensity {} is negative or not finite; check the lamp's power", light.intensity);
@@ -52,6 +53,8 @@ fn light(
     if !strength.is_finite() {
         return Err(context.invalid(light_place, "color times intensity leaves the range of 32-bit floats"));
     }
+
+    // Drop a range that is not positive, or infinite.
     let range = light.range.filter(|&range| {
         let usable = range > 0.0;
         if !usable {
@@ -79,7 +82,7 @@ fn light(
     })
 }
 
-/// Inner and outer half angle (radians) with 0 ≤ inner < outer ≤ π/2, mended where needed.
+/// Returns the inner and outer half angle (radians) with 0 ≤ inner < outer ≤ π/2, mended where needed.
 fn cone(context: &mut Context<'_>, place: Place<'_>, spot: &json::Spot) -> (f32, f32) {
     // Empirical: under a milliradian cos inner − cos outer drowns in f32 rounding even for inner = 0 (5·10⁻⁷ against
     // 6·10⁻⁸).
@@ -101,8 +104,8 @@ fn cone(context: &mut Context<'_>, place: Place<'_>, spot: &json::Spot) -> (f32,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::LoadOptions;
     use crate::budget::Budget;
+    use crate::load_options::LoadOptions;
 
     #[test]
     fn every_cone_has_a_ramp_that_f32_resolves() {

@@ -9,13 +9,14 @@ use super::json::{self, Document};
 use super::texture::{Encoding, Textures};
 use crate::error::Error;
 
-/// Material `index` of the file; `None` is glTF's default material (white, metallic, fully rough).
+/// Reads material `index` of the file; `None` is glTF's default material (white, metallic, fully rough).
 pub(super) fn material(
     context: &mut Context<'_>,
     document: &Document,
     index: Option<usize>,
     textures: &mut Textures,
 ) -> Result<Material, Error> {
+    // Find the material.
     let default;
     let (source, at) = match index {
         Some(index) => {
@@ -31,10 +32,12 @@ pub(super) fn material(
     let name = source.name.clone().unwrap_or_default();
     context.spend(at, name.len() as u64, 1)?;
 
+    // Warn of extensions that are not read.
     for (extension, _) in extensions.unread().into_iter().filter(|(_, has_effect)| *has_effect) {
         context.warnings.add(at, &not_read(extension));
     }
 
+    // Fill in the defaults of the extensions that are.
     let [r, g, b, alpha] = pbr.base_color_factor.map(|value| unit(context, at, value));
     let strength = extensions.emissive_strength.as_ref().map_or(1.0, |e| e.emissive_strength);
     let default_specular = json::Specular::default();
@@ -45,6 +48,7 @@ pub(super) fn material(
         textures.refer(context, document, at, info.as_deref(), encoding)
     };
 
+    // Convert every property, each checked or clamped.
     Ok(Material {
         name,
         base_color: Vec3::new(r, g, b),
@@ -74,7 +78,7 @@ pub(super) fn material(
     })
 }
 
-/// A factor that must lie in [0, 1], clamped with a warning.
+/// Clamps a factor to [0, 1], with a warning.
 fn unit(context: &mut Context<'_>, at: Place<'_>, value: f32) -> f32 {
     let clamped = if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) };
     if clamped != value {
@@ -83,7 +87,7 @@ fn unit(context: &mut Context<'_>, at: Place<'_>, value: f32) -> f32 {
     clamped
 }
 
-/// emissiveFactor × emissiveStrength, cd/m².
+/// Returns emissiveFactor × emissiveStrength, cd/m².
 fn emission(context: &Context<'_>, at: Place<'_>, factor: [f32; 3], strength: f32) -> Result<Vec3, Error> {
     let emission = Vec3::from_array(factor) * strength;
     if emission.is_finite() && emission.min_element() >= 0.0 {

@@ -39,13 +39,14 @@ pub(super) fn primitives(
     Ok(meshes)
 }
 
-/// One primitive without its name and material; `None` where it has nothing to show.
+/// Reads one primitive without its name and material; `None` if it has nothing to show.
 fn read_primitive(
     context: &mut Context<'_>,
     buffers: &Buffers<'_>,
     primitive: &Primitive,
     at: PrimitivePlace<'_>,
 ) -> Result<Option<TriangleMesh>, Error> {
+    // Skip points, lines and primitives without positions.
     let topology = match primitive.mode.unwrap_or(4) {
         0 => {
             context.warnings.add(at, "points are not rendered");
@@ -113,6 +114,7 @@ fn read_shading(
     mesh: &mut TriangleMesh,
 ) -> Result<(), Error> {
     let (at, count) = (reader.at, Some(vertex_count));
+    // Read normals, and replace broken ones.
     if let Some(normal) = attributes.normal {
         let accessor = reader.open(context, "NORMAL", normal, &[3], count)?;
         mesh.normals = vertices.collect(context, at, &accessor, Vec3::from_array)?;
@@ -124,6 +126,7 @@ fn read_shading(
             normals::replace_zeros(&mut mesh.normals, broken, &mesh.positions, &mesh.triangles);
         }
     }
+    // Read tangents; if one is broken, leave all of them out.
     if let Some(tangent) = attributes.tangent {
         let accessor = reader.open(context, "TANGENT", tangent, &[4], count)?;
         let tangents = vertices.collect(context, at, &accessor, unit_tangent)?;
@@ -134,6 +137,7 @@ fn read_shading(
                 .add(at, "a tangent is zero or not finite: tangents are derived from texture coordinates"),
         }
     }
+    // Read both sets of texture coordinates.
     let sets = [("TEXCOORD_0", attributes.texcoord_0), ("TEXCOORD_1", attributes.texcoord_1)];
     for (uvs, (name, accessor)) in mesh.uvs.iter_mut().zip(sets) {
         if let Some(accessor) = accessor {
@@ -143,6 +147,7 @@ fn read_shading(
             context.warnings.add_many(at, "a texture coordinate is not finite: taken as zero", mended);
         }
     }
+    // Read vertex colours.
     if let Some(color) = attributes.color_0 {
         // Integer colours are normalised by definition, and exporters forget to say so.
         let accessor = reader.open(context, "COLOR_0", color, &[3, 4], count)?.normalize();
@@ -158,7 +163,7 @@ fn read_shading(
     Ok(())
 }
 
-/// Replaces what is not `good`, and counts.
+/// Replaces values that are not `good`; returns their number.
 fn mend<T: Copy>(values: &mut [T], good: impl Fn(T) -> bool, replacement: T) -> u64 {
     let mut mended = 0;
     for value in values.iter_mut().filter(|value| !good(**value)) {
@@ -168,13 +173,13 @@ fn mend<T: Copy>(values: &mut [T], good: impl Fn(T) -> bool, replacement: T) -> 
     mended
 }
 
-/// Whether the corners lie on a line, in double precision so that small triangles do not underflow.
+/// Returns whether the corners lie on a line, in double precision so that small triangles do not underflow.
 fn has_no_area([a, b, c]: [Vec3; 3]) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a) == glam::DVec3::ZERO
 }
 
-/// Unit direction and handedness ±1.
+/// Returns the unit direction and the handedness ±1; `None` if the direction is zero or not finite.
 fn unit_tangent([x, y, z, w]: [f32; 4]) -> Option<Vec4> {
     let direction = normals::unit(Vec3::new(x, y, z))?;
     Some(direction.extend(if w < 0.0 { -1.0 } else { 1.0 }))

@@ -36,7 +36,7 @@ use self::json::Document;
 use self::texture::Textures;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
-use crate::{LoadOptions, Loaded};
+use crate::load_options::{LoadOptions, Loaded};
 
 /// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has
 /// them is refused where it is `None`.
@@ -60,6 +60,7 @@ pub(crate) fn read(
     options: &LoadOptions,
     budget: Budget,
 ) -> Result<Loaded, Error> {
+    // Parse the JSON, and refuse extensions that are required and not read.
     let container = container::split(file, bytes)?;
     let mut context = Context::new(file, folder, options, budget);
     context.spend("JSON", json::parsed_bytes(container.json), 1)?;
@@ -128,7 +129,7 @@ impl<K> Default for Used<K> {
 }
 
 impl<K: Copy + Ord> Used<K> {
-    /// The key's number.
+    /// Returns the key's number.
     fn number(&mut self, key: K) -> usize {
         *self.index.entry(key).or_insert_with(|| {
             self.order.push(key);
@@ -169,8 +170,8 @@ fn place_meshes(
     Ok(())
 }
 
-/// Renumbers the textures that materials use; one without a new number is left out, its factor stays. Only emission goes
-/// with its texture: a whole wall would shine where the author painted a screen.
+/// Renumbers the textures that materials use; one without a new number is left out, its factor stays. Only emission
+/// goes with its texture: a whole wall would shine where the author painted a screen.
 fn leave_out(materials: &mut [Material], index_of: &[Option<usize>]) {
     for material in materials {
         let painted = material.emission_texture.is_some();

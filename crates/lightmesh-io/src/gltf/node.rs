@@ -19,7 +19,7 @@ pub(super) struct Placed {
     pub(super) world_from_node: Affine3A,
 }
 
-/// What the nodes of a scene carry, parents before children, siblings in the file's order.
+/// The meshes, lights and cameras on the nodes of a scene, parents before children, siblings in the file's order.
 #[derive(Debug, Default)]
 pub(super) struct Visit {
     /// The scene that was chosen; `None` in a file without scenes.
@@ -31,6 +31,7 @@ pub(super) struct Visit {
 
 /// Walks the chosen scene. A node that is reached twice, by a cycle or from two parents, is an error.
 pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Visit, Error> {
+    // Find the roots, and pay for the lists.
     let scene = chosen_scene(context, document)?;
     let (roots, from) = roots(context, document, scene)?;
     let nodes = &document.nodes;
@@ -39,6 +40,7 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
     context.spend("nodes", carried, 3 * size_of::<Placed>() as u64)?;
     context.spend("nodes", nodes.len() as u64, 3 * size_of::<(usize, DAffine3)>() as u64 + 1)?;
 
+    // Walk from parents to children.
     let mut visit = Visit { scene, ..Visit::default() };
     let mut reached = vec![false; nodes.len()];
     // An explicit stack, because a file may be nested as deeply as it likes. Last in is first out, so push in reverse.
@@ -76,7 +78,7 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
     Ok(visit)
 }
 
-/// The light on a node.
+/// Returns the index of the light on a node.
 fn light_of(node: &Node) -> Option<usize> {
     node.extensions.lights_punctual.as_ref().map(|light| light.light)
 }
@@ -132,7 +134,7 @@ fn find_scene(context: &Context<'_>, document: &Document, wanted: &str) -> Resul
     })
 }
 
-/// The nodes that no node has as a child: what a file without scenes must mean.
+/// Returns the nodes that no node has as a child: the roots of a file without scenes.
 fn parentless(context: &mut Context<'_>, document: &Document) -> Vec<usize> {
     context.warnings.add("scenes", "the file has no scene: all its root nodes are rendered");
     let mut is_root = vec![true; document.nodes.len()];
@@ -144,7 +146,7 @@ fn parentless(context: &mut Context<'_>, document: &Document) -> Vec<usize> {
     (0..is_root.len()).filter(|&node| is_root[node]).collect()
 }
 
-/// The node's own transform: its matrix, or translation · rotation · scale.
+/// Returns the node's own transform: its matrix, or translation · rotation · scale.
 fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Result<DAffine3, Error> {
     let node_place = place("node", index, node.name.as_deref());
     if let Some(matrix) = &node.matrix {
@@ -157,6 +159,8 @@ fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Res
         }
         return Ok(DAffine3::from_mat4(matrix));
     }
+
+    // Compose the transform of its parts; a quaternion need not have unit length.
     let rotation = match node.rotation {
         None => DQuat::IDENTITY,
         Some(rotation) => {

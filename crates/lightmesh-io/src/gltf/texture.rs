@@ -8,7 +8,7 @@ use super::context::{Context, Place, place};
 use super::json::{Document, Sampler, TextureInfo};
 use crate::error::Error;
 
-/// What an image's numbers mean where it is used.
+/// The meaning of an image's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Encoding {
     /// Colours behind the sRGB curve.

@@ -1,4 +1,4 @@
-//! From index lists to triangles.
+//! Triangles of index lists.
 
 /// The primitive modes that make triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub(super) enum Topology {
 }
 
 impl Topology {
-    /// How many triangles `indices` indices make.
+    /// Returns how many triangles `indices` indices make.
     pub(super) fn triangle_count(self, indices: usize) -> usize {
         match self {
             Self::List => indices / 3,

@@ -62,24 +62,24 @@ fn percent_decode(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let hex = |b: Option<&u8>| b.and_then(|&b| char::from(b).to_digit(16));
     let mut decoded = Vec::with_capacity(bytes.len());
-    let mut at = 0;
-    while at < bytes.len() {
-        match (bytes[at], hex(bytes.get(at + 1)), hex(bytes.get(at + 2))) {
+    let mut index = 0;
+    while index < bytes.len() {
+        match (bytes[index], hex(bytes.get(index + 1)), hex(bytes.get(index + 2))) {
             (b'%', Some(high), Some(low)) => {
                 decoded.push((high * 16 + low) as u8);
-                at += 3;
+                index += 3;
             }
             (byte, ..) => {
                 decoded.push(byte);
-                at += 1;
+                index += 1;
             }
         }
     }
     decoded
 }
 
-/// Whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:` is one
-/// too.
+/// Returns whether the URI begins with a scheme (RFC 3986: letter, then letters, digits, `+ - .`, then a colon). `C:`
+/// is one too.
 fn has_scheme(uri: &str) -> bool {
     uri.split_once(':').is_some_and(|(scheme, _)| {
         scheme.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -87,8 +87,9 @@ fn has_scheme(uri: &str) -> bool {
     })
 }
 
-/// The file at a relative path.
+/// Reads the file at a relative path.
 fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result<Vec<u8>, Error> {
+    // Decode the name of the file.
     if has_scheme(uri) {
         let what = "has a scheme, but only data: and files beside the scene are read; \
                     download the file and refer to it by a relative path";
@@ -97,6 +98,8 @@ fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result
     let Ok(relative) = String::from_utf8(percent_decode(uri)) else {
         return Err(refuse(context, place, uri, "is not UTF-8 after percent-decoding; rename the file"));
     };
+
+    // Open the file, or say in the words of glTF why not.
     let missing = |context: &Context<'_>, target: &dyn Display, cause| Error::MissingFile {
         file: one_line(context.file),
         place: one_line(place),
@@ -116,6 +119,8 @@ fn read_beside(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> Result
         };
         refuse(context, place, uri, what)
     })?;
+
+    // Pay for its bytes, and read them.
     context.spend(place, beside.length, 1)?;
     beside.read().map_err(|cause| missing(context, &relative, cause))
 }

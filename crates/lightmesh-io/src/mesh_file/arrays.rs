@@ -1,4 +1,4 @@
-//! Which arrays contents are: there and back.
+//! Converts the contents of a mesh to arrays and back.
 
 use std::borrow::Cow;
 
@@ -6,11 +6,13 @@ use lightmesh::{Contents, DirectContents, DirectValues, IndirectContents, Lattic
 
 use super::read::{ArrayReader, Shape};
 use super::tensor::Tensor;
-use crate::Error;
+use crate::error::Error;
 
-/// All arrays of a file.
+/// Converts contents to the arrays of a file.
 pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
     let mut tensors = Vec::new();
+
+    // Push the direct mesh: its points, and values in the encoding of its method.
     let DirectContents { points, values } = &contents.direct;
     push_points(&mut tensors, "direct", points);
     let n = points.addresses.len();
@@ -30,6 +32,8 @@ pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
             tensors.push(Tensor::new("direct.runs".into(), &[runs.len()], Cow::Borrowed(runs)));
         }
     }
+
+    // Push the indirect mesh.
     if let Some(indirect) = &contents.indirect {
         let IndirectContents { points, bounces, sides, values, hit_irradiance, hit_count } = indirect;
         push_points(&mut tensors, "indirect", points);
@@ -61,6 +65,7 @@ fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a Point
 
 /// The contents that a file's arrays are.
 pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Contents, Error> {
+    // Read the direct mesh: its points, and whichever encoding of values the file has.
     let points = read_points(arrays, "direct")?;
     let n = points.addresses.len();
     let given = ["direct.six_axis", "direct.scalar", "direct.light_bits", "direct.run_ends"]
@@ -80,6 +85,8 @@ pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Contents, Er
         _ => DirectValues::SixAxis(arrays.read("direct.six_axis", &Shape::of([n, 6, 2, 3]))?.0),
     };
     let direct = DirectContents { points, values };
+
+    // Read the indirect mesh, if there is one.
     if !arrays.has("indirect.addresses") && !arrays.has("indirect.values") {
         return Ok(Contents { direct, indirect: None });
     }

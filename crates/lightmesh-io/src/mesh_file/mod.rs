@@ -1,7 +1,7 @@
-//! Mesh files: what a light mesh knows, to go on from in another run, on another machine, or to look at in Python.
+//! Mesh files: the contents of a light mesh, to continue in another run or on another machine, or to study in Python.
 //!
-//! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the header as JSON, and
-//! arrays of numbers, little-endian and row by row. Any reader of that format opens it.
+//! A file is [safetensors](https://huggingface.co/docs/safetensors): eight bytes with the length of a header, the
+//! header as JSON, and arrays of numbers, little-endian and row by row. Any reader of that format opens it.
 //!
 //! | array, of `direct` and `indirect` | type, shape | |
 //! |---|---|---|
@@ -17,11 +17,12 @@
 //! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
 //! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
 //!
-//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the addresses.
+//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the
+//! addresses.
 //!
-//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings` (JSON), `units`, `scene` and
-//! `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a checksum for each array. Equal meshes are equal
-//! files.
+//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings`
+//! (JSON), `units`, `scene` and `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a
+//! checksum for each array. Equal meshes are equal files.
 
 mod arrays;
 mod read;
@@ -32,18 +33,17 @@ use std::path::Path;
 
 use lightmesh::{Contents, Counts, Fingerprint, LightMesh, RenderOptions, Scene};
 
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 pub use read::{mesh_from_bytes, read_mesh};
 pub use write::{mesh_to_bytes, write_mesh, write_mesh_to};
 
-/// What a mesh file says.
+/// The contents of a mesh file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
-    /// Of the scene that the mesh belongs to.
+    /// Fingerprint of the scene that the mesh belongs to.
     pub scene: Fingerprint,
-    /// Of the settings that its points depend on.
+    /// Fingerprint of the settings that its points depend on.
     pub settings_fingerprint: Fingerprint,
     /// Program and version, as in `lightmesh 0.1.0`.
     pub software: String,
@@ -51,18 +51,25 @@ pub struct MeshFile {
     pub method: String,
     /// Every setting, as a JSON object.
     pub settings: String,
-    /// What the mesh knows.
+    /// Points and values of the mesh.
     pub contents: Contents,
 }
 
+/// Who made a mesh file, and how: for people and programs that look at the file. [`MeshFile::check`] ignores it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Provenance<'a> {
+    /// Program and version, as in `lightmesh 0.1.0`.
+    pub software: &'a str,
+    /// How light was computed, as `--method` spells it.
+    pub method: &'a str,
+    /// Every setting, as a JSON object.
+    pub settings: &'a str,
+}
+
 impl MeshFile {
-    /// All that `mesh` knows, which belongs to this scene and these options. `software`, `method` and `settings` are for who reads the file.
-    pub fn new(
-        scene: &Scene,
-        options: &RenderOptions,
-        mesh: &LightMesh,
-        (software, method, settings): (&str, &str, &str),
-    ) -> Self {
+    /// Copies everything that `mesh` knows, which belongs to this scene and these options.
+    pub fn new(scene: &Scene, options: &RenderOptions, mesh: &LightMesh, provenance: Provenance<'_>) -> Self {
+        let Provenance { software, method, settings } = provenance;
         Self {
             scene: Fingerprint::of_scene(scene),
             settings_fingerprint: Fingerprint::of_settings(options),
@@ -73,12 +80,12 @@ impl MeshFile {
         }
     }
 
-    /// How many bounces its mesh was made for; 0 where it has no indirect light.
+    /// Returns the number of bounces that the mesh was made for; 0 if it has no indirect light.
     pub fn bounces(&self) -> u32 {
         self.contents.indirect.as_ref().map_or(0, |indirect| indirect.bounces)
     }
 
-    /// Refuses what was made for another scene or with other settings. `file` names it in messages.
+    /// Refuses a mesh that was made for another scene or with other settings. `file` names it in messages.
     ///
     /// # Errors
     /// [`Error::OtherScene`], [`Error::OtherSettings`].
@@ -101,8 +108,8 @@ impl MeshFile {
         Ok(())
     }
 
-    /// A mesh for renders with these options that knows what the file knows. A file for more bounces serves fewer. `file` names it in
-    /// messages.
+    /// Makes a mesh for renders with these options, with the points of the file. The file may be for more bounces.
+    /// `file` names it in messages.
     ///
     /// # Errors
     /// As [`MeshFile::check`]; [`Error::Mesh`] for contents that do not fit, and for want of memory.

@@ -1,4 +1,4 @@
-//! Reading mesh files: nothing in them is believed before it is checked, and memory is paid for before it is taken.
+//! Reads mesh files. Everything in them is checked before it is used, and memory is counted before it is allocated.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -10,11 +10,10 @@ use safetensors::tensor::{Metadata, TensorInfo};
 use super::MeshFile;
 use super::arrays::read_contents;
 use super::tensor::{Number, to_little_endian};
-use crate::Error;
 use crate::budget::Budget;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
-/// What the header says of itself.
+/// The format and version that the header must have.
 pub(super) const FORMAT: &str = "lightmesh mesh";
 pub(super) const VERSION: &str = "1";
 
@@ -24,8 +23,8 @@ const LONGEST_HEADER: u64 = 1 << 20;
 /// Reads a mesh file into at most `max_memory` bytes.
 ///
 /// # Errors
-/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged; [`Error::OutOfMemory`]
-/// before an allocation that would exceed the limit.
+/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged;
+/// [`Error::OutOfMemory`] before an allocation that would exceed the limit.
 pub fn read_mesh(path: &Path, max_memory: u64) -> Result<MeshFile, Error> {
     let name = one_line(path.display());
     let unreadable = |cause| Error::Read { file: name.clone(), cause };
@@ -37,7 +36,7 @@ pub fn read_mesh(path: &Path, max_memory: u64) -> Result<MeshFile, Error> {
     read(&name, &mut file, metadata.len(), max_memory)
 }
 
-/// The same from memory; `name` names it in messages.
+/// Reads a mesh file that is in memory; `name` names it in messages.
 ///
 /// # Errors
 /// As [`read_mesh`].
@@ -45,7 +44,7 @@ pub fn mesh_from_bytes(name: &str, bytes: &[u8], max_memory: u64) -> Result<Mesh
     read(&one_line(name), &mut Cursor::new(bytes), bytes.len() as u64, max_memory)
 }
 
-/// A file that can be read at any place.
+/// A file that can be read at any position.
 trait Source: Read + Seek {}
 
 impl<T: Read + Seek> Source for T {}
@@ -56,7 +55,7 @@ fn read(name: &str, source: &mut dyn Source, length: u64, max_memory: u64) -> Re
     let unreadable = |cause| Error::Read { file: name.into(), cause };
     let foreign = "is this a mesh file that lightmesh has written?";
 
-    // Its length first, then the header itself, then whether the arrays end where the file does.
+    // Read the length of the header, then the header, and check that the arrays end where the file does.
     let mut word = [0; 8];
     if length < 8 {
         return Err(syntax("header", format!("the file has {length} bytes; {foreign}")));
@@ -92,7 +91,7 @@ fn read(name: &str, source: &mut dyn Source, length: u64, max_memory: u64) -> Re
         return Err(syntax("arrays", format!("end {end}, the file at {length}: it is cut off or damaged")));
     }
 
-    // The texts, then the arrays.
+    // Read the texts, then the arrays.
     let text = |key: &str| {
         let missing = || syntax("header", format!("{key:?} is missing"));
         said(key).map(str::to_owned).ok_or_else(missing)
@@ -110,28 +109,28 @@ fn read(name: &str, source: &mut dyn Source, length: u64, max_memory: u64) -> Re
     Ok(MeshFile { scene, settings_fingerprint, software, method, settings, contents })
 }
 
-/// What an array's shape must be; `None`: any number.
+/// The shape that an array must have; `None` stands for any number.
 #[derive(Clone, Debug)]
 pub(super) struct Shape(Vec<Option<usize>>);
 
 impl Shape {
-    /// These numbers.
+    /// A shape of these numbers.
     pub(super) fn of<const N: usize>(numbers: [usize; N]) -> Self {
         Self(Vec::new()).and(numbers)
     }
 
-    /// So many numbers, whatever they are.
+    /// A shape of any `count` numbers.
     pub(super) fn any(count: usize) -> Self {
         Self(Vec::new()).and_any(count)
     }
 
-    /// These numbers too.
+    /// Appends these numbers.
     pub(super) fn and<const N: usize>(mut self, numbers: [usize; N]) -> Self {
         self.0.extend(numbers.map(Some));
         self
     }
 
-    /// So many more.
+    /// Appends any `count` numbers.
     pub(super) fn and_any(mut self, count: usize) -> Self {
         self.0.extend(std::iter::repeat_n(None, count));
         self
@@ -162,29 +161,29 @@ pub(super) struct ArrayReader<'a> {
 }
 
 impl ArrayReader<'_> {
-    /// Something is wrong with an array.
+    /// The error for an array that is wrong.
     pub(super) fn invalid(&self, name: &str, what: impl std::fmt::Display) -> Error {
         Error::Invalid { file: self.file.into(), place: name.into(), what: one_line(what) }
     }
 
-    /// Whether the file has it.
+    /// Returns whether the file has the array.
     pub(super) fn has(&self, name: &str) -> bool {
         self.header.info(name).is_some()
     }
 
-    /// A number of a shape, in 32 bits.
+    /// Converts a number of a shape to 32 bits.
     pub(super) fn small(&self, name: &str, number: usize) -> Result<u32, Error> {
         u32::try_from(number).map_err(|_| self.invalid(name, format!("has {number} in its shape, which is too many")))
     }
 
-    /// All numbers of an array of this shape, and the shape that it has.
+    /// Reads an array that must have this shape. Returns its numbers and its own shape.
     pub(super) fn read<N: Number>(&mut self, name: &str, wanted: &Shape) -> Result<(Vec<N>, Vec<usize>), Error> {
         let TensorInfo { shape, .. } = self.info::<N>(name, wanted)?;
         let numbers = self.read_into(name, shape.iter().product())?;
         Ok((numbers, shape))
     }
 
-    /// The rows of an array, `rows` of them where that is known, and how many they are.
+    /// Reads an array of rows, which must be `rows` if that is given. Returns the rows and their number.
     pub(super) fn read_rows<N: Number, const W: usize>(
         &mut self,
         name: &str,
@@ -200,7 +199,7 @@ impl ArrayReader<'_> {
         Ok((rows, shape[0]))
     }
 
-    /// What the header says of an array that must be of this kind.
+    /// Finds an array in the header, and checks its type and shape.
     fn info<N: Number>(&self, name: &str, wanted: &Shape) -> Result<TensorInfo, Error> {
         let Some(info) = self.header.info(name) else {
             return Err(self.invalid(name, "the array is missing"));
@@ -218,13 +217,13 @@ impl ArrayReader<'_> {
         Ok(numbers)
     }
 
-    /// Room for so many things.
+    /// Allocates zeros, which are paid for first.
     fn take<T: bytemuck::Zeroable + Clone>(&mut self, name: &str, count: usize) -> Result<Vec<T>, Error> {
         self.budget.take(self.file, name, count as u64, size_of::<T>() as u64)?;
         Ok(vec![T::zeroed(); count])
     }
 
-    /// Reads an array into its room, and compares its checksum.
+    /// Reads an array into memory that is there, and compares its checksum.
     fn fill<N: Number>(&mut self, name: &str, numbers: &mut [N]) -> Result<(), Error> {
         let unreadable = |cause| Error::Read { file: self.file.into(), cause };
         let offset = self.header.info(name).map_or(0, |info| info.data_offsets.0 as u64);

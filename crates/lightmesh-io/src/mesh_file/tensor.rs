@@ -7,10 +7,10 @@ use safetensors::Dtype;
 
 /// A number of an array.
 pub(super) trait Number: Pod {
-    /// Its type's name in the header.
+    /// The name of the type in the header.
     const DTYPE: Dtype;
 
-    /// Its bytes the other way round.
+    /// Returns the number with its bytes in reverse order.
     fn swapped(self) -> Self;
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Tensor<'a> {
 }
 
 impl<'a> Tensor<'a> {
-    /// Of numbers that lie in a row.
+    /// Makes an array of numbers that lie in a row.
     pub(super) fn new<N: Number>(name: String, shape: &[usize], numbers: Cow<'a, [N]>) -> Self {
         let bytes = match numbers {
             Cow::Borrowed(numbers) if cfg!(target_endian = "little") => Cow::Borrowed(bytemuck::cast_slice(numbers)),
@@ -58,7 +58,7 @@ impl<'a> Tensor<'a> {
     }
 }
 
-/// From the machine's order of bytes to the files', or back.
+/// Converts the machine's order of bytes to the files', or back.
 pub(super) fn to_little_endian<N: Number>(numbers: &mut [N]) {
     if cfg!(target_endian = "big") {
         numbers.iter_mut().for_each(|number| *number = number.swapped());

@@ -10,8 +10,7 @@ use serde::Serialize;
 use super::arrays::to_tensors;
 use super::tensor::Tensor;
 use super::{MeshFile, read};
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 use crate::output::StagedFile;
 
 /// The header: keys in the order of the alphabet, so that equal meshes are equal files.
@@ -33,7 +32,7 @@ pub fn write_mesh(path: &Path, mesh: &MeshFile) -> Result<(), Error> {
     file.commit()
 }
 
-/// The same in memory.
+/// Writes a mesh file into memory.
 pub fn mesh_to_bytes(mesh: &MeshFile) -> Vec<u8> {
     let mut bytes = Vec::new();
     // A vector takes whatever is written into it.
@@ -41,7 +40,7 @@ pub fn mesh_to_bytes(mesh: &MeshFile) -> Vec<u8> {
     bytes
 }
 
-/// The same wherever bytes go, such as an [`output::StagedFile`](crate::output::StagedFile).
+/// Writes a mesh file to a writer, such as an [`output::StagedFile`](crate::output::StagedFile).
 ///
 /// # Errors
 /// Those of `out`.
@@ -57,7 +56,7 @@ pub fn write_mesh_to(out: &mut dyn Write, mesh: &MeshFile) -> io::Result<()> {
 }
 
 impl MeshFile {
-    /// What a file of it takes but for its header of a few thousand bytes.
+    /// Returns the bytes of the arrays; the header of a file has a few thousand more.
     pub fn array_bytes(&self) -> u64 {
         to_tensors(&self.contents).iter().map(|tensor| tensor.bytes.len() as u64).sum()
     }

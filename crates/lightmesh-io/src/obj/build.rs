@@ -1,4 +1,4 @@
-//! From the text's arrays, where each corner has its own three indices, to meshes with one index.
+//! Builds meshes, with one index per corner, from the arrays of the text, where each corner has three.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use super::parse::{Corner, Obj, Part};
 use crate::error::{Error, one_line};
 use crate::polygon::triangulate;
 
-/// The scene: one mesh per part that has faces, where its coordinates say.
+/// Builds the scene: one mesh for each part that has faces, placed once.
 pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, Error> {
     let mut data = SceneData::default();
     let mut materials = Materials::load(context, &obj.libraries)?;
@@ -35,14 +35,16 @@ pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, E
 /// The bytes that a vertex takes in the mesh and in the map that finds it again.
 const VERTEX_BYTES: usize = 3 * size_of::<Vec3>() + size_of::<glam::Vec4>() + 2 * size_of::<(Corner, u32)>();
 
-/// One part's triangles. A vertex is shared where position, texture coordinate and normal are.
+/// Builds the mesh of one part. Corners share a vertex if position, texture coordinate and normal are the same.
 fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> Result<TriangleMesh, Error> {
+    // Find out which attributes the mesh has.
     let has_normal = |corner: &Corner| corner.normal.is_some_and(|i| obj.normals[i as usize] != Vec3::ZERO);
     let normals = part.corners.iter().any(has_normal);
     let uvs = part.corners.iter().any(|corner| corner.uv.is_some());
     let colors = !obj.colors.is_empty();
     let mut mesh = TriangleMesh { name: part.name.clone(), material, ..TriangleMesh::default() };
 
+    // Pay for it as if no vertex were shared.
     let place = if part.name.is_empty() { "faces" } else { part.name.as_str() };
     context.budget.take(
         context.file,
@@ -50,6 +52,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
         part.corners.len() as u64,
         (VERTEX_BYTES + size_of::<[u32; 3]>()) as u64,
     )?;
+    // Read each face: share vertices that are known, add the others, and cut it into triangles.
     let mut vertex_of: HashMap<Corner, u32> = HashMap::new();
     let (mut positions, mut indices): (Vec<Vec3>, Vec<u32>) = (Vec::new(), Vec::new());
     let mut start = 0;
@@ -89,7 +92,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
     Ok(mesh)
 }
 
-/// The unit normal of a polygon; +Z where it has no area.
+/// Returns the unit normal of a polygon; +Z if it has no area.
 fn newell(corners: &[Vec3]) -> Vec3 {
     let origin = corners[0].as_dvec3();
     let sum: glam::DVec3 =

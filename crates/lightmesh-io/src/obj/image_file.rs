@@ -35,8 +35,9 @@ pub(super) fn read_image(context: &mut Context<'_>, name: &str) -> Result<Option
     let size = texture_image::reader(&bytes, 512 << 20).and_then(|reader| reader.into_dimensions());
     let decoded = match size {
         Ok((width, height)) => {
-            // Four bytes per texel here, and eight at most in the decoder, which may hold 16-bit channels; the smaller copies that
-            // the built scene has have no more texels than the image, and fit into what the decoder gave back.
+            // Four bytes per texel here, and eight at most in the decoder, which may hold 16-bit channels; the smaller
+            // copies that the built scene has have no more texels than the image, and fit into what the decoder gave
+            // back.
             context.budget.take(context.file, name, u64::from(width) * u64::from(height), 12)?;
             let limit = 12 * u64::from(width) * u64::from(height) + (1 << 20);
             texture_image::reader(&bytes, limit).and_then(|reader| reader.decode())

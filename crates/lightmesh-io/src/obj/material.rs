@@ -39,7 +39,8 @@ impl Materials {
         let mut described = BTreeMap::new();
         let mut seen: BTreeSet<&str> = BTreeSet::new();
         for library in libraries {
-            // Several names on one line are allowed, and so are spaces in a name: a name that ends in .mtl is taken whole first.
+            // Several names on one line are allowed, and so are spaces in a name: a name that ends in .mtl is taken
+            // whole first.
             let one = library.to_ascii_lowercase().matches(".mtl").count() <= 1;
             let names: Vec<&str> =
                 if one { vec![library.as_str()] } else { library.split_ascii_whitespace().collect() };
@@ -86,7 +87,7 @@ impl Materials {
     }
 
     fn convert(&mut self, context: &mut Context<'_>, mtl: &Mtl, data: &mut SceneData) -> Result<Material, Error> {
-        // Colour and alpha, which share a texture.
+        // Read colour and alpha, which share a texture.
         let alpha = mtl.alpha.unwrap_or(1.0).clamp(0.0, 1.0);
         let color_texture = self.texture(context, mtl.diffuse_map.as_ref(), mtl.alpha_map.as_ref(), data)?;
         let has_color = color_texture.is_some() && mtl.diffuse_map.is_some();
@@ -97,12 +98,14 @@ impl Materials {
         };
         let covered = alpha < 1.0 || (color_texture.is_some() && mtl.alpha_map.is_some());
 
+        // Take an emission map without a colour, or with a black one, as it is.
         let emission_texture = self.texture(context, mtl.emission_map.as_ref(), None, data)?;
         let emission = match mtl.emission {
             Some(color) if !(emission_texture.is_some() && color == Vec3::ZERO) => color,
             _ if emission_texture.is_some() => Vec3::ONE,
             _ => Vec3::ZERO,
         };
+        // Fill in what every illumination model has.
         let lambert = Material {
             name: mtl.name.clone(),
             alpha,
@@ -115,6 +118,7 @@ impl Materials {
             ior: mtl.ior.unwrap_or(1.5).max(1.0),
             ..Material::lambert(base_color)
         };
+        // Make it a metal, a gloss or a glass by the number of the illumination model.
         Ok(match mtl.illumination {
             3 => Material {
                 base_color: mtl.specular.unwrap_or(base_color).min(Vec3::ONE),
@@ -175,7 +179,8 @@ impl Materials {
     }
 }
 
-/// One image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is none).
+/// Reads an image of the colours of `color` (white where there is none) and the alpha of `alpha` (opaque where there is
+/// none).
 fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>) -> Result<Option<ImageData>, Error> {
     let color = color.map(|map| read_image(context, &map.path)).transpose()?.flatten();
     let alpha = alpha.map(|map| read_image(context, &map.path)).transpose()?.flatten();
@@ -195,7 +200,8 @@ fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>
     if let Some(image) = &alpha
         && let Some(mask) = texels_of(image)
     {
-        // A mask with an alpha channel means that channel; one without means its grey. Nearest texel where sizes differ.
+        // A mask with an alpha channel means that channel; one without means its grey. Nearest texel where sizes
+        // differ.
         let by_alpha = mask.iter().any(|texel| texel[3] != 255);
         for (i, texel) in texels.iter_mut().enumerate() {
             let (x, y) = (i as u64 % u64::from(width), i as u64 / u64::from(width));

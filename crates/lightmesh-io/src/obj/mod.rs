@@ -1,7 +1,7 @@
 //! Wavefront OBJ with MTL (Wavefront, "Advanced Visualizer Manual", appendix B1, 1992).
 //!
-//! Our own parser: `tobj` 4.0.5 panics on a `Kd` of fewer than three numbers and on an index far out of range, makes triangles of
-//! lines, lets texture coordinates slip where only some faces have them, and names no line in its errors.
+//! Our own parser: `tobj` 4.0.5 panics on a `Kd` of fewer than three numbers and on an index far out of range, makes
+//! triangles of lines, lets texture coordinates slip where only some faces have them, and names no line in its errors.
 
 mod build;
 mod image_file;
@@ -16,10 +16,10 @@ use std::path::Path;
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::{LoadOptions, Loaded};
 use crate::warnings::Warnings;
-use crate::{LoadOptions, Loaded};
 
-/// What every step needs: the file's name, its folder, the options, the budget, the warnings.
+/// The state of one reading: the file's name, its folder, the options, the budget, the warnings.
 pub(crate) struct Context<'a> {
     file: &'a str,
     folder: Option<&'a Path>,
@@ -45,8 +45,8 @@ impl Context<'_> {
     }
 }
 
-/// Reads an OBJ file that is in memory. `file` is its name for messages; material libraries and textures are looked up in
-/// `folder`, and are left out with a warning where it is `None` or where they cannot be read.
+/// Reads an OBJ file that is in memory. `file` is its name for messages; material libraries and textures are looked up
+/// in `folder`, and are left out with a warning where it is `None` or where they cannot be read.
 ///
 /// # Errors
 /// As [`load`](crate::load).

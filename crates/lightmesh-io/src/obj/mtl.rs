@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 /// A reference to an image file with its options.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Map {
-    /// As written.
+    /// The path as the file has it.
     pub(super) path: String,
     /// `-s`: scale of u and v.
     pub(super) scale: Vec2,
@@ -42,12 +42,14 @@ pub(super) fn parse(bytes: &[u8], mut warn: impl FnMut(usize, &str)) -> Vec<Mtl>
     for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
         let line = String::from_utf8_lossy(line);
         let line = line.trim();
+        // Split the line into a keyword and the rest.
         let (key, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
         let rest = rest.trim();
         if key == "newmtl" {
             materials.push(Mtl { name: rest.to_owned(), illumination: 2, ..Mtl::default() });
             continue;
         }
+        // Set the property of the newest material.
         let Some(material) = materials.last_mut() else { continue };
         let understood = match key.to_ascii_lowercase().as_str() {
             "kd" => set(&mut material.diffuse, color(rest)),
@@ -112,6 +114,8 @@ fn number_at_end(rest: &str) -> Option<f32> {
 fn map(rest: &str) -> Option<Map> {
     let mut map = Map { path: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, strength: 1.0 };
     let mut rest = rest;
+
+    // Read options, each with as many words as it takes.
     while let Some(option) = rest.strip_prefix('-') {
         let (name, after) = option.split_once(|c: char| c.is_ascii_whitespace())?;
         rest = after.trim_start();
@@ -146,6 +150,8 @@ fn map(rest: &str) -> Option<Map> {
             _ => {}
         }
     }
+
+    // Take the rest of the line as the path.
     map.path = rest.to_owned();
     (!rest.is_empty()).then_some(map)
 }

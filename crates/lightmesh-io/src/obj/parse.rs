@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{Vec2, Vec3};
 
 use super::Context;
-use crate::Error;
+use crate::error::Error;
 use crate::srgb::linear_from_srgb;
 
 /// One corner of a face: indices into the file's positions, texture coordinates and normals.
@@ -19,9 +19,9 @@ pub(super) struct Corner {
 /// The faces of one group (or object) and one material.
 #[derive(Debug, Default)]
 pub(super) struct Part {
-    /// Of the group.
+    /// Name of the group.
     pub(super) name: String,
-    /// Of the material; empty: none was chosen.
+    /// Name of the material; empty if none was chosen.
     pub(super) material: String,
     /// Corners of all faces, one face after the other.
     pub(super) corners: Vec<Corner>,
@@ -29,7 +29,7 @@ pub(super) struct Part {
     pub(super) ends: Vec<usize>,
 }
 
-/// What the file says.
+/// The contents of the file.
 #[derive(Debug, Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<Vec3>,
@@ -39,9 +39,9 @@ pub(super) struct Obj {
     pub(super) uvs: Vec<Vec2>,
     /// Unit; zero where the file's has no direction.
     pub(super) normals: Vec<Vec3>,
-    /// In the order in which they begin.
+    /// Parts in the order in which they begin.
     pub(super) parts: Vec<Part>,
-    /// What stands after each `mtllib`.
+    /// The rest of each `mtllib` line.
     pub(super) libraries: Vec<String>,
 }
 
@@ -154,6 +154,7 @@ fn numbers(context: &Context<'_>, line: usize, rest: &str) -> Result<Vec<f32>, E
 
 /// `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest: &str) -> Result<(), Error> {
+    // Read the corners.
     let start = obj.parts[part].corners.len();
     for word in rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')) {
         context.spend(line, 1, size_of::<Corner>() + size_of::<usize>())?;
@@ -185,6 +186,8 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
             optional(vn, obj.normals.len(), "a corner refers to a normal that is not there: taken from the face")?;
         obj.parts[part].corners.push(Corner { position, uv, normal });
     }
+
+    // Close the face, or drop it if it has too few of them.
     let part = &mut obj.parts[part];
     if part.corners.len() < start + 3 {
         part.corners.truncate(start);
@@ -195,7 +198,7 @@ fn face(context: &mut Context<'_>, obj: &mut Obj, part: usize, line: usize, rest
     Ok(())
 }
 
-/// What a corner's field refers to.
+/// The target of a field of a corner.
 enum Index {
     /// An item, counted from 0.
     At(u32),

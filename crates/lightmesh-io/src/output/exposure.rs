@@ -4,8 +4,8 @@ use glam::Vec3;
 
 /// The grey on which the logarithmic mean of a picture is put, display-linear: the photographic 18%.
 const KEY: f64 = 0.18;
-/// What the highlights may reach, display-linear. At 2 the tone map shows 0.97: still a little drawing in the brightest
-/// parts. Empirical: looked at on interiors with lamps in view.
+/// The value that highlights may reach, display-linear. At 2 the tone map shows 0.97: still a little drawing in the
+/// brightest parts. Empirical: looked at on interiors with lamps in view.
 const HIGHLIGHT: f64 = 2.0;
 /// The fraction of lit pixels that may be brighter than [`HIGHLIGHT`]: lamps themselves. Empirical, as above.
 const LAMPS: f64 = 0.02;
@@ -16,10 +16,11 @@ const SAMPLES: usize = 1 << 18;
 
 /// The exposure, in EV as [`expose`](super::expose) takes it, at which a picture of linear cd/m² looks well.
 ///
-/// The logarithmic mean of the luminance, without the darkest and the brightest twentieth, comes to 18% grey (Reinhard et
-/// al., "Photographic tone reproduction for digital images", 2002, eq. 1-2); where that would burn out more than a
-/// fiftieth of the picture, the exposure is lowered until it does not. Black pixels (nothing was hit, nothing is lit) and
-/// NaN do not count. The result is a multiple of 0.01, so that it can be printed and given again; 0 for a black picture.
+/// The logarithmic mean of the luminance, without the darkest and the brightest twentieth, comes to 18% grey (Reinhard
+/// et al., "Photographic tone reproduction for digital images", 2002, eq. 1-2); where that would burn out more than a
+/// fiftieth of the picture, the exposure is lowered until it does not. Black pixels (nothing was hit, nothing is lit)
+/// and NaN do not count. The result is a multiple of 0.01, so that it can be printed and given again; 0 for a black
+/// picture.
 pub fn auto_exposure(pixels: &[Vec3]) -> f32 {
     // Luminances of what is lit, from a regular subset of a large picture.
     let stride = pixels.len().div_ceil(SAMPLES).max(1);

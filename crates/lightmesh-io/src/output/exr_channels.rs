@@ -22,7 +22,7 @@ pub(super) struct Channels<'a> {
     list: Vec<(String, Precision, Values<'a>)>,
 }
 
-/// Where a channel's values are.
+/// The values of a channel.
 #[derive(Clone, Copy, Debug)]
 enum Values<'a> {
     /// A component of each pixel.

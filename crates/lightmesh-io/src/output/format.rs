@@ -1,4 +1,4 @@
-//! Which kind of file a name asks for.
+//! Formats of picture files.
 
 use std::path::Path;
 

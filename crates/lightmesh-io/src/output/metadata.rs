@@ -1,4 +1,4 @@
-//! What a picture file says about its making.
+//! Metadata of picture files.
 
 use lightmesh::Camera;
 

@@ -7,8 +7,8 @@
 //! | layers | none | those of the frame, beside the light |
 //! | carries | program, method, scene, settings, exposure | the same, seconds, samples, estimated error, camera matrices |
 //!
-//! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a render
-//! took stand in the EXR.
+//! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a
+//! render took stand in the EXR.
 
 mod exposure;
 mod exr;

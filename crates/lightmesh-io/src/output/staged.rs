@@ -8,8 +8,8 @@ use std::{
 
 use crate::error::{Error, one_line};
 
-/// A file under a temporary name beside its target. [`StagedFile::commit`] gives it its name; dropped before that, it is
-/// removed, and whatever had the target's name stays as it was.
+/// A file under a temporary name beside its target. [`StagedFile::commit`] gives it its name; dropped before that, it
+/// is removed, and whatever had the target's name stays as it was.
 #[derive(Debug)]
 pub struct StagedFile {
     writer: Option<BufWriter<File>>,
@@ -25,6 +25,7 @@ impl StagedFile {
     pub fn create(target: &Path) -> Result<Self, Error> {
         let file = || one_line(target.display());
         let failed = |cause| Error::Write { file: file(), cause };
+        // Refuse targets that could not be written later.
         if target.is_dir() {
             return Err(Error::IsFolder { file: file() });
         }
@@ -55,12 +56,12 @@ impl StagedFile {
         }
     }
 
-    /// Where the content lies until it is committed.
+    /// Returns the path of the content until it is committed.
     pub fn temporary(&self) -> &Path {
         &self.temporary
     }
 
-    /// Where it will lie.
+    /// Returns the path of the content after that.
     pub fn target(&self) -> &Path {
         &self.target
     }

@@ -1,4 +1,4 @@
-//! From scene luminance to what a display shows.
+//! Tone mapping: from scene luminance to the values of a display.
 //!
 //! The curve is the highlight compression of the **Khronos PBR Neutral** tone mapper
 //! (<https://github.com/KhronosGroup/ToneMapping>, `PBR_Neutral`), without its toe.
@@ -13,20 +13,20 @@
 //! | AgX | low contrast, wants a grade | drifts on the way to white |
 //! | PBR Neutral | unchanged up to 0.8 | kept; only saturation falls on the way to white |
 //!
-//! Its toe subtracts the 4% that a dielectric's surface reflects of white surroundings. Our pictures are mostly diffuse and
-//! their dark parts are soft shadows: the toe would crush what the method is for, so it is left out (F90 = 0).
+//! Its toe subtracts the 4% that a dielectric's surface reflects of white surroundings. Our pictures are mostly diffuse
+//! and their dark parts are soft shadows: the toe would crush what the method is for, so it is left out (F90 = 0).
 
 use glam::Vec3;
 
-/// Where compression starts: below, a value passes unchanged. Khronos' constant.
+/// The value where compression starts; smaller values pass unchanged. Khronos' constant.
 const START: f32 = 0.8;
-/// How fast compressed colours lose saturation. Khronos' constant.
+/// The rate at which compressed colours lose saturation. Khronos' constant.
 const DESATURATION: f32 = 0.15;
 
 /// The display-linear colour of an exposed one; each channel of the result in [0, 1].
 ///
-/// Monotone in brightness; a colour whose largest channel is under 0.8 passes unchanged. Negative channels and NaN count
-/// as 0, infinity as white.
+/// Monotone in brightness; a colour whose largest channel is under 0.8 passes unchanged. Negative channels and NaN
+/// count as 0, infinity as white.
 pub fn tone_map(color: Vec3) -> Vec3 {
     // Meet values that no display can show. 1e30 is white to the last bit and leaves room for the products below.
     let finite = |c: f32| if c > 0.0 { c.min(1e30) } else { 0.0 };

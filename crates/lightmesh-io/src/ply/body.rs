@@ -1,8 +1,7 @@
 //! The numbers of a PLY file's body, whatever their encoding.
 
 use super::header::{Encoding, Header, Scalar};
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
 /// Reads one number after the other.
 #[derive(Debug)]
@@ -27,7 +26,7 @@ impl<'a> Body<'a> {
         self.bytes.len() - self.offset
     }
 
-    /// Where we are, for messages.
+    /// Returns the current position, for messages.
     pub(super) fn place(&self) -> String {
         match self.encoding {
             Encoding::Ascii => format!("line {}", self.line),

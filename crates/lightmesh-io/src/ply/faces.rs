@@ -19,11 +19,14 @@ pub(super) fn read(
     warnings: &mut Warnings,
     mesh: &mut TriangleMesh,
 ) -> Result<(), Error> {
+    // Find the list of corners.
     let is_corners = |p: &&Property| matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
     if !element.properties.iter().any(|p| is_corners(&p)) {
         let what = "has no list vertex_indices or vertex_index".into();
         return Err(Error::Invalid { file: one_line(file), place: "element face".into(), what });
     }
+
+    // Read each face and cut it into triangles; pass over its other properties.
     let (mut indices, mut corners): (Vec<u32>, Vec<Vec3>) = (Vec::new(), Vec::new());
     for face in 0..element.count {
         for property in &element.properties {

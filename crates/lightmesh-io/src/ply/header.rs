@@ -1,9 +1,8 @@
 //! A PLY file's header: which elements follow, with which properties, in which encoding.
 
-use crate::Error;
-use crate::error::one_line;
+use crate::error::{Error, one_line};
 
-/// How the body is written.
+/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -39,7 +38,7 @@ impl Scalar {
         })
     }
 
-    /// In a binary body.
+    /// Returns the size in a binary body, bytes.
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -49,13 +48,13 @@ impl Scalar {
         }
     }
 
-    /// Whether it counts things.
+    /// Returns whether it is an integer type.
     pub(super) fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 }
 
-/// What a property holds.
+/// The values of a property: one, or a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Scalar(Scalar),
@@ -104,6 +103,7 @@ pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<Header, Error> {
     let mut encoding = None;
     let mut elements: Vec<Element> = Vec::new();
     let (mut offset, mut number) = (0, 0);
+    // Read line by line up to end_header.
     loop {
         // The next line; it ends with LF, or CR LF.
         let Some(length) = bytes[offset..].iter().position(|&b| b == b'\n') else {

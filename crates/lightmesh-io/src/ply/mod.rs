@@ -1,12 +1,12 @@
 //! PLY, text and binary (G. Turk, "The PLY Polygon File Format", 1994).
 //!
-//! Read are the element `vertex` with `x y z`, `nx ny nz`, `red green blue` and `s t`, `u v` or `texture_u texture_v`, and the
-//! element `face` with the list `vertex_indices` or `vertex_index`; polygons are cut into triangles. Colours in integers are
-//! sRGB, in floats linear. Everything else is passed over. A PLY has no material: the surface is white Lambert, and the
-//! vertex colours are its albedo.
+//! Read are the element `vertex` with `x y z`, `nx ny nz`, `red green blue` and `s t`, `u v` or `texture_u texture_v`,
+//! and the element `face` with the list `vertex_indices` or `vertex_index`; polygons are cut into triangles. Colours in
+//! integers are sRGB, in floats linear. Everything else is passed over. A PLY has no material: the surface is white
+//! Lambert, and the vertex colours are its albedo.
 //!
-//! Our own parser: `ply-rs-bw` 4.0.1 refuses numbers such as `.5` and `2.`, keeps a map per vertex by default, and makes as many
-//! records as a header asks for if they have no properties.
+//! Our own parser: `ply-rs-bw` 4.0.1 refuses numbers such as `.5` and `2.`, keeps a map per vertex by default, and
+//! makes as many records as a header asks for if they have no properties.
 
 mod body;
 mod faces;
@@ -26,8 +26,8 @@ use self::body::Body;
 use self::header::{Element, Kind};
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
+use crate::load_options::{LoadOptions, Loaded};
 use crate::warnings::Warnings;
-use crate::{LoadOptions, Loaded};
 
 /// Reads a PLY file that is in memory; `file` is its name for messages. It refers to no other file and has no lights.
 ///
@@ -40,6 +40,7 @@ pub(crate) fn read(
     _options: &LoadOptions,
     mut budget: Budget,
 ) -> Result<Loaded, Error> {
+    // Read the elements in the order in which the header announces them.
     let header = header::parse(file, bytes)?;
     let mut body = Body::new(file, bytes, &header);
     let mut warnings = Warnings::default();
@@ -65,6 +66,8 @@ pub(crate) fn read(
             }
         }
     }
+
+    // Refuse a file without a surface, and say what it has instead.
     if mesh.triangles.is_empty() {
         let what = match (mesh.positions.len(), has_faces) {
             (0, _) => "the file has no vertices".into(),
@@ -74,6 +77,7 @@ pub(crate) fn read(
         return Err(Error::Empty { file: one_line(file), what });
     }
 
+    // Place the mesh once, in white.
     Ok(Loaded {
         data: SceneData {
             meshes: vec![mesh],

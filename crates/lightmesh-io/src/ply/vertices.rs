@@ -10,7 +10,7 @@ use crate::error::{Error, one_line};
 use crate::srgb::linear_from_srgb;
 use crate::warnings::Warnings;
 
-/// What a scalar property of a vertex is for: an attribute and its component.
+/// The attribute, and its component, that a scalar property of a vertex fills.
 #[derive(Clone, Copy, PartialEq)]
 enum Target {
     Position(usize),
@@ -60,6 +60,7 @@ pub(super) fn read(
     warnings: &mut Warnings,
     mesh: &mut TriangleMesh,
 ) -> Result<(), Error> {
+    // Find out which attributes there are.
     let place = "element vertex";
     let target_of = |p: &Property| match p.kind {
         Kind::Scalar(_) => target(&p.name),
@@ -72,6 +73,7 @@ pub(super) fn read(
     let normals = has(&[0, 1, 2].map(Target::Normal));
     let colors = has(&[0, 1, 2].map(Target::Color));
     let uvs = has(&[0, 1].map(Target::Uv));
+    // Refuse what is no surface or too large, and pay for the arrays.
     if !positions {
         let what = "has no x, y and z; the file holds no surface that we can read".into();
         return Err(Error::Invalid { file: one_line(file), place: place.into(), what });
@@ -88,6 +90,7 @@ pub(super) fn read(
     mesh.colors.reserve_exact(if colors { count } else { 0 });
     mesh.uvs[0].reserve_exact(if uvs { count } else { 0 });
 
+    // Read each vertex: its properties by their targets, then what they mean.
     for index in 0..count {
         let (mut position, mut normal, mut color, mut uv) = (Vec3::ZERO, Vec3::ZERO, Vec4::ONE, Vec2::ZERO);
         for (property, target) in element.properties.iter().zip(&targets) {

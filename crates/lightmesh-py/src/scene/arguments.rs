@@ -1,16 +1,16 @@
-//! What methods of scenes are given, as the library has it.
+//! Arguments of the methods of scenes, converted into what the library takes.
 
-use glam::Affine3A;
-use lightmesh::{Camera, Material, SceneData};
+use glam::{Affine3A, Quat, Vec3};
+use lightmesh::{Camera, Environment, Material, SceneData};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::camera::PyCamera;
-use crate::material::PyMaterial;
+use crate::material::{self, PyMaterial};
 use crate::{arrays, error, keywords};
 
 /// A material of the scene by its index, or a new one.
-pub(super) enum MaterialArg<'py> {
+pub(crate) enum MaterialArg<'py> {
     New(Bound<'py, PyMaterial>),
     Index(usize),
 }
@@ -27,12 +27,9 @@ impl<'a, 'py> FromPyObject<'a, 'py> for MaterialArg<'py> {
     }
 }
 
-/// Which camera takes the picture, as the command line chooses it.
-pub(crate) fn scene_camera(
-    cameras: &[Camera],
-    data: &SceneData,
-    wanted: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Camera> {
+/// Chooses the camera of a picture as the command line does.
+pub(crate) fn scene_camera(data: &SceneData, wanted: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
+    // A Camera is taken as it is; everything else is a name or an index.
     let wanted = match wanted {
         None => None,
         Some(value) => {
@@ -40,7 +37,7 @@ pub(crate) fn scene_camera(
                 return Ok(camera.get().camera.clone());
             }
             // A number is an index, whatever the names are.
-            if let Some(camera) = value.extract::<usize>().ok().and_then(|index| cameras.get(index)) {
+            if let Some(camera) = value.extract::<usize>().ok().and_then(|index| data.cameras.get(index)) {
                 return Ok(camera.clone());
             }
             Some((keywords::spell("camera", value)?, value.py()))
@@ -56,8 +53,8 @@ pub(crate) fn scene_camera(
     }
 }
 
-/// The index of a material, which is added if it is new.
-pub(super) fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
+/// Returns the index of a material; adds it if it is new.
+pub(crate) fn material_index(data: &mut SceneData, material: Option<MaterialArg<'_>>) -> Result<usize, String> {
     match material {
         Some(MaterialArg::New(material)) => Ok(material.get().add_to(data)),
         Some(MaterialArg::Index(index)) if index < data.materials.len() => Ok(index),
@@ -71,7 +68,20 @@ pub(super) fn material_index(data: &mut SceneData, material: Option<MaterialArg<
     }
 }
 
-/// A transform, which may be missing.
-pub(super) fn transform_or_identity(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Affine3A> {
+/// Converts a transform; a missing one is the identity.
+pub(crate) fn transform_or_identity(transform: Option<&Bound<'_, PyAny>>) -> PyResult<Affine3A> {
     transform.map_or(Ok(Affine3A::IDENTITY), |value| arrays::affine(value, "transform"))
+}
+
+/// Converts the arguments of Scene.set_environment: a map, (H, W, 3), or a colour, (3,) or one number.
+pub(crate) fn environment(value: &Bound<'_, PyAny>, strength: f32, rotation: f32) -> PyResult<Environment> {
+    let (map, color) = match arrays::dimensions(value) {
+        Some(3) => (Some(material::image(value, "environment")?), Vec3::ONE),
+        _ => (None, arrays::color(value, "environment")?),
+    };
+    if !rotation.is_finite() {
+        return Err(error::option(value.py(), format!("rotation: must be degrees, not {rotation}")));
+    }
+    let world_from_map = Quat::from_rotation_y(rotation.to_radians());
+    Ok(Environment { map, radiance: color * strength, world_from_map })
 }

@@ -2,14 +2,14 @@
 
 use lightmesh::{Image, Method, RenderOptions};
 
-use crate::Error;
+use crate::error::Error;
 use crate::lab::Lab;
-use crate::picture::{enlarged, figure};
+use crate::picture::{Rect, enlarged, figure, luminance};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
 
-/// The part of the picture that is enlarged, in parts of its size: left, top, width, height. The floor beside the coloured wall.
-const PART: (f32, f32, f32, f32) = (0.12, 0.7, 0.2, 0.2);
+/// The part of the picture that is enlarged, in fractions of its size: the floor beside the coloured wall.
+const PART: Rect<f32> = Rect { left: 0.12, top: 0.7, width: 0.2, height: 0.2 };
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let side: u32 = if lab.quick { 160 } else { 480 };
@@ -22,6 +22,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         bounces,
         ..RenderOptions::default()
     };
+
+    // Render direct light, one bounce, several, and the paper's method.
     let ways = [
         ("direct light", with(Method::Mesh, 0)),
         ("one bounce", with(Method::Mesh, 1)),
@@ -32,10 +34,9 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     for (_, options) in &ways {
         shots.push(lab.shot(&place, options)?);
     }
-    let part = {
-        let at = |x: f32| (x * side as f32) as u32;
-        (at(PART.0), at(PART.1), at(PART.2), at(PART.3))
-    };
+
+    // Enlarge the floor beside the red wall, and measure how red it is.
+    let part = PART.to_pixels((side, side));
     let times = if lab.quick { 4 } else { 2 };
     let parts: Vec<Image> = shots.iter().map(|shot| enlarged(&shot.image, part, times)).collect();
     let mut rows = Vec::new();
@@ -43,10 +44,11 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     for ((name, _), (shot, part)) in ways.iter().zip(shots.iter().zip(&parts)) {
         let sum: glam::Vec3 = part.pixels.iter().sum();
         redness.push(f64::from(sum.x / sum.y.max(1e-9)));
-        let mean =
-            shot.image.pixels.iter().map(|p| crate::picture::luminance(*p)).sum::<f64>() / f64::from(side * side);
+        let mean = shot.image.pixels.iter().map(|p| luminance(*p)).sum::<f64>() / f64::from(side * side);
         rows.push(vec![(*name).into(), shot.seconds().into(), mean.into(), redness[redness.len() - 1].into()]);
     }
+
+    // Put the numbers into a table and the pictures beside each other.
     let columns = ["light", "seconds", "mean luminance, cd/m²", "red over green beside the red wall"];
     let caption = format!("{side} × {side}, 4 samples per pixel, default spacings.");
     let table = Table { caption, columns: columns.map(str::to_owned).to_vec(), rows };
@@ -64,6 +66,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         borrowed(&whole, "A box with a red and a green wall.")?,
         borrowed(&near, "The floor beside the red wall, enlarged: the wall's colour arrives with the first bounce.")?,
     ];
+
+    // Judge the claim.
     let gain = redness[1] / redness[0];
     let claims = vec![Claim {
         claim: "Indirect light carries the colour of walls to what stands beside them.".into(),

@@ -3,7 +3,7 @@
 use lightmesh::Method;
 
 use super::lights::papers;
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
@@ -11,7 +11,7 @@ use crate::scenes::SceneName;
 
 const POINTS: [f32; 4] = [160.0, 80.0, 40.0, 20.0];
 
-/// What the paper gains where density is halved.
+/// The paper's gain from half the density, from and to.
 const GAIN: (f64, f64) = (1.3, 2.5);
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
@@ -19,24 +19,30 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let size = if lab.quick { (200, 200) } else { (800, 800) };
     let points = if lab.quick { &POINTS[1..] } else { &POINTS };
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
+
+    // Time the paper's method and ours at every density, each twice as coarse as the one before.
     let mut ways = Vec::new();
     for &points in points {
         ways.extend([papers(size, points), direct(Method::Mesh, size, points)]);
     }
     let seconds = lab.race(&place, &ways)?;
+
+    // Compare each with exact light, and with the density before it.
     let (mut rows, mut errors) = (Vec::new(), [Vec::new(), Vec::new()]);
     for (i, &points) in points.iter().enumerate() {
         let mut row = vec![format!("1/{points}").into()];
         for (method, errors) in errors.iter_mut().enumerate() {
-            let at = 2 * i + method;
-            let shot = lab.shot(&place, &ways[at])?;
+            let index = 2 * i + method;
+            let shot = lab.shot(&place, &ways[index])?;
             let error = 100.0 * shot.error(&standard);
             errors.push((f64::from(points), error));
-            let gain = at.checked_sub(2).map(|denser| seconds[denser] / seconds[at]);
-            row.extend([seconds[at].into(), gain.into(), error.into(), shot.stats.direct.points_used.into()]);
+            let gain = index.checked_sub(2).map(|denser| seconds[denser] / seconds[index]);
+            row.extend([seconds[index].into(), gain.into(), error.into(), shot.stats.direct.points_used.into()]);
         }
         rows.push(row);
     }
+
+    // Put the numbers into a table and a plot.
     let columns = [
         "spacing",
         "paper, s",
@@ -53,7 +59,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let [paper, mesh] = errors;
     let least = |errors: &[(f64, f64)]| errors.iter().map(|e| e.1).fold(f64::INFINITY, f64::min);
     let (least_paper, least_mesh) = (least(&paper), least(&mesh));
-    let gains: Vec<f64> = (2..ways.len()).step_by(2).map(|at| seconds[at - 2] / seconds[at]).collect();
+    let gains: Vec<f64> = (2..ways.len()).step_by(2).map(|index| seconds[index - 2] / seconds[index]).collect();
     let mean_gain = gains.iter().map(|g| g.ln()).sum::<f64>() / gains.len() as f64;
     let gain = mean_gain.exp();
     let plot = Plot {
@@ -64,6 +70,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         logarithmic: true,
         lines: vec![Line { name: "paper".into(), points: paper }, Line { name: "mesh".into(), points: mesh }],
     };
+
+    // Judge the claims.
     let claims = vec![
         Claim {
             claim: "Half the density is 1.3 to 2.5 times as fast.".into(),

@@ -3,7 +3,7 @@
 use lightmesh::{Falloff, Interpolation, Method, PointWeight, RenderOptions};
 
 use super::lights::papers;
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
@@ -32,7 +32,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         rows,
     };
 
-    // φ4 and φ5: of the direct field against exact light, of the indirect one by how much it differs from equal weights.
+    // φ4 and φ5: of the direct field against exact light, of the indirect one by how much it differs from equal
+    // weights.
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
     let sphere = |weight, bounces| RenderOptions {
         interpolation: Interpolation::Sphere { radius: 2.0 },
@@ -68,7 +69,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     };
     let best_weight = by_weight[1..].iter().copied().fold(f64::INFINITY, f64::min);
 
-    // Adaptive meshes.
+    // Meshes that refine themselves, against one that is dense everywhere.
     let mut rows = Vec::new();
     let uniform = lab.shot(&place, &direct(Method::Mesh, size, 80.0))?;
     for (name, method) in [("mesh", Method::Mesh), ("hybrid", Method::Hybrid), ("unbiased, 4 rays", Method::Unbiased)] {
@@ -127,7 +128,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         rows,
     };
 
-    // Threads.
+    // The same picture on more and more threads.
     let most = rayon::current_num_threads();
     let counts: Vec<usize> = (0..).map(|i| 1 << i).take_while(|&n| n < most).chain([most]).collect();
     let options = direct(Method::Mesh, size, 40.0);
@@ -143,6 +144,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         columns: ["threads", "seconds", "speed-up"].map(str::to_owned).to_vec(),
         rows,
     };
+
+    // Judge the claims.
     let points = adapted.stats.direct.points_used as f64 / uniform.stats.direct.points_used.max(1) as f64;
     let squares = (adapted.error(&standard) / uniform.error(&standard)).powi(2);
     let speed_up = seconds[0] / seconds[seconds.len() - 1];

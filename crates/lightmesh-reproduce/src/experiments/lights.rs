@@ -2,11 +2,12 @@
 
 use lightmesh::{Interpolation, Method, RenderOptions};
 
+use crate::error::Error;
 use crate::lab::{Lab, direct};
+use crate::picture;
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
-use crate::{Error, picture};
 
 /// Numbers of lights, and the ratio of times that the paper has for them.
 const LIGHTS: [(usize, Option<f64>); 7] =
@@ -22,6 +23,8 @@ pub(super) fn papers(size: (u32, u32), points: f32) -> RenderOptions {
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let size = if lab.quick { (160, 160) } else { (800, 800) };
+
+    // Time exact light, the paper's method and ours for every number of lights.
     let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::Mesh, size, POINTS)];
     let mut rows = Vec::new();
     let (mut ratios, mut lines) = (Vec::new(), ["standard", "paper", "mesh"].map(|name| (name, Vec::new())));
@@ -48,6 +51,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
             (100.0 * mesh.error(&standard)).into(),
         ]);
     }
+
+    // Put the numbers into a table and a plot.
     let columns = [
         "lights",
         "standard, s",
@@ -75,12 +80,16 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         logarithmic: true,
         lines: lines.map(|(name, points)| Line { name: name.to_owned(), points }).into(),
     };
+
+    // Show the three pictures of one of the scenes.
     let place = lab.place(SceneName::Room(15))?;
     let pictures = [lab.shot(&place, &ways[1])?, lab.shot(&place, &ways[2])?, lab.shot(&place, &ways[0])?];
     let shown = picture::figure(
         "The room under 15 lights.",
         &[("paper", &pictures[0].image), ("mesh", &pictures[1].image), ("standard", &pictures[2].image)],
     )?;
+
+    // Judge the claims. Times of small pictures are noisy.
     let first = &ratios[..3];
     let slack = if lab.quick { 0.8 } else { 0.95 };
     let claims = vec![

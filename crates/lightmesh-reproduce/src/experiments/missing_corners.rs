@@ -2,20 +2,22 @@
 
 use lightmesh::{Interpolation, Method, MissingCorners, RenderOptions};
 
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
-use crate::picture::{enlarged, figure, luminance};
+use crate::picture::{Rect, enlarged, figure, luminance};
 use crate::report::{Claim, Section, Table, Verdict};
 use crate::scenes::SceneName;
 
-/// The part of the picture that is enlarged, in parts of its size: left, top, width, height. Boxes on the floor before a wall.
-const PART: (f32, f32, f32, f32) = (0.72, 0.5, 0.28, 0.42);
+/// The part of the picture that is enlarged, in fractions of its size: boxes on the floor before a wall.
+const PART: Rect<f32> = Rect { left: 0.72, top: 0.5, width: 0.28, height: 0.42 };
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Room(15))?;
     let size = if lab.quick { (240, 160) } else { (720, 480) };
     let with = |interpolation| RenderOptions { interpolation, ..direct(Method::Paper, size, 40.0) };
     let rule = |rule| with(Interpolation::TrilinearWith(rule));
+
+    // List the rules.
     let ways = [
         ("zero", rule(MissingCorners::Zero)),
         ("one", rule(MissingCorners::One)),
@@ -23,6 +25,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ("mirror", rule(MissingCorners::Mirror)),
         ("left out, half a cell off the surface (trilinear)", with(Interpolation::Trilinear)),
     ];
+
+    // Measure how far each is from exact light, and whether it is brighter or darker.
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
     let mean = |image: &lightmesh::Image| image.pixels.iter().map(|&p| luminance(p)).sum::<f64>();
     let (mut rows, mut shots, mut biases, mut errors) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -34,20 +38,23 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         rows.push(vec![(*name).into(), error.into(), bias.into()]);
         shots.push(shot);
     }
+
+    // Put the numbers into a table.
     let caption = format!(
         "The paper's scalar field under 15 lights, 1/40, {} × {}, direct light: --interpolation trilinear:RULE.",
         size.0, size.1
     );
     let columns = ["a missing corner counts as", "error, %", "bias, %"].map(str::to_owned).to_vec();
     let table = Table { caption, columns, rows };
-    let part = {
-        let of = |part: f32, all: u32| (part * all as f32) as u32;
-        (of(PART.0, size.0), of(PART.1, size.1), of(PART.2, size.0), of(PART.3, size.1))
-    };
+
+    // Enlarge the edges of boxes, where corners are missing.
+    let part = PART.to_pixels(size);
     let times = if lab.quick { 4 } else { 2 };
     let parts: Vec<_> = shots.iter().chain([&standard]).map(|shot| enlarged(&shot.image, part, times)).collect();
     let names = ways.iter().map(|(name, _)| *name).chain(["standard"]);
     let shown = figure("Boxes on the floor, enlarged.", &names.zip(&parts).collect::<Vec<_>>())?;
+
+    // Judge the claim.
     let claims = vec![Claim {
         claim: "Where missing corners count as zero edges are dark, where they count as one they are bright.".into(),
         paper: None,

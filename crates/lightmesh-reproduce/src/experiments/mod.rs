@@ -10,20 +10,21 @@ mod resolutions;
 mod soft_shadows;
 mod today;
 
+use crate::error::Error;
 use crate::lab::Lab;
-use crate::{Error, Section};
+use crate::report::Section;
 
 /// An experiment: inputs, runs, checks and plots are in its function.
 pub(crate) struct Experiment {
     /// Its name on the command line and in links.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// What of the paper it repeats.
+    /// Which part of the paper it repeats.
     pub(crate) paper: &'static str,
     pub(crate) run: fn(&mut Lab<'_>) -> Result<Section, Error>,
 }
 
-/// All of them.
+/// All experiments.
 pub(crate) const EXPERIMENTS: [Experiment; 9] = [
     Experiment {
         id: "lights",

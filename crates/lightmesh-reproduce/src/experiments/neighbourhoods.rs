@@ -2,7 +2,7 @@
 
 use lightmesh::{Interpolation, Method, RenderOptions};
 
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
 use crate::picture::figure;
 use crate::report::{Claim, Section, Table, Verdict};
@@ -16,6 +16,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let size = if lab.quick { (240, 160) } else { (720, 480) };
     let with = |points, interpolation| RenderOptions { interpolation, ..direct(Method::Paper, size, points) };
     let sphere = |radius| Interpolation::Sphere { radius };
+    // List the neighbourhoods of the paper's figures.
     let ways = [
         ("nearest, 1/40", with(40.0, Interpolation::Nearest)),
         ("nearest, 1/80", with(80.0, Interpolation::Nearest)),
@@ -24,6 +25,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ("sphere of 1.5, 1/40", with(40.0, sphere(1.5))),
         ("sphere of 3, 1/40", with(40.0, sphere(3.0))),
     ];
+    // Render with each, and compare with exact light.
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
     let (mut rows, mut shots) = (Vec::new(), Vec::new());
     for (name, options) in &ways {
@@ -39,6 +41,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ]);
         shots.push(shot);
     }
+    // Put the numbers into a table and the pictures beside each other.
     let columns = ["neighbourhood, spacing", "error, %", "points used", "points of the room", "used, %", "seconds"];
     let caption = format!(
         "The paper's scalar field under 15 lights, {} × {}, one sample per pixel, direct light.",
@@ -49,6 +52,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     pictures.push(("standard", &standard.image));
     let shown = figure("Neighbourhoods of the paper's figures 4 to 9, and exact shadow rays.", &pictures)?;
 
+    // Judge the claims.
     let hundred = shots[2].stats.direct;
     let used = 100.0 * hundred.points_used as f64 / hundred.points_total.max(1) as f64;
     let errors: Vec<f64> = shots.iter().map(|shot| shot.error(&standard)).collect();

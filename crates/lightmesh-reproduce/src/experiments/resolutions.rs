@@ -3,7 +3,7 @@
 use lightmesh::Method;
 
 use super::lights::papers;
-use crate::Error;
+use crate::error::Error;
 use crate::lab::{Lab, direct};
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
@@ -21,6 +21,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Room(15))?;
     let scale = if lab.quick { 4 } else { 1 };
     let (mut rows, mut ratios, mut lines) = (Vec::new(), Vec::new(), [Vec::new(), Vec::new()]);
+    // Time exact light, the paper's method and ours at every size.
     for (side, then) in SIZES {
         let size = (side / scale, side / scale);
         let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::Mesh, size, POINTS)];
@@ -41,6 +42,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
             (seconds[0] / seconds[2]).into(),
         ]);
     }
+    // Put the numbers into a table and a plot, beside those of 2001.
     let columns =
         ["pixels", "standard, s", "paper, s", "ratio", "ratio in 2001", "mesh points, paper", "mesh, s", "ratio"];
     let caption = format!("15 lights, one sample per pixel, direct light, 1/{POINTS}; medians of interleaved runs.");
@@ -62,12 +64,14 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ],
     };
 
+    // Count mesh points at the two sizes that the paper compares.
     let (small, large, then) = GROWTH;
     let mut used = Vec::new();
     for side in [small / scale, large / scale] {
         used.push(lab.shot(&place, &papers((side, side), POINTS))?.stats.direct.points_used as f64);
     }
     let growth = 100.0 * (used[1] / used[0] - 1.0);
+    // Judge the claims.
     let claims = vec![
         Claim {
             claim: "The larger the picture, the larger the gain: slower at 50 × 50, faster at 800 × 800.".into(),

@@ -4,13 +4,14 @@ use glam::{Affine3A, Vec3};
 use lightmesh::{Camera, EmitterOptions, Image, Method};
 
 use super::lights::papers;
+use crate::error::Error;
 use crate::lab::{Lab, Place, direct};
 use crate::penumbra;
 use crate::picture::{figure, luminance};
 use crate::plot::{Line, Plot, SeriesLabelPosition};
 use crate::report::{Claim, Section, Table, Verdict};
+use crate::scenes;
 use crate::scenes::{SceneName, light_of};
-use crate::{Error, scenes};
 
 /// Radii of the spherical light, metres.
 const RADII: [f32; 2] = [0.1, 0.25];
@@ -18,15 +19,15 @@ const RADII: [f32; 2] = [0.1, 0.25];
 /// Points along the longest edge (8 m) of the meshes.
 const POINTS: [f32; 2] = [40.0, 80.0];
 
-/// Samples of the spherical light that is the truth.
+/// Samples of the spherical light that gives the reference picture.
 const SAMPLES: u32 = 256;
 
-/// Light, as a part of what there is without the sheet, that counts as full shadow and as none.
+/// Fractions of the light without the sheet that count as full shadow and as no shadow.
 const EDGE: (f64, f64) = (0.03, 0.97);
 
 /// The profile: pixels across the edge of the sheet's shadow, on the floor.
 const PIXELS: u32 = 480;
-/// Half of what they show, metres.
+/// Half the width that they show, metres.
 const HALF: f32 = 0.7;
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
@@ -34,7 +35,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Triangle)?;
     let soft = |radius| EmitterOptions { light_radius: radius, light_samples: SAMPLES };
 
-    // Pictures.
+    // Render the pictures: two meshes, reference [4], and a spherical light that is the truth.
     let mesh = lab.shot(&place, &direct(Method::Mesh, size, POINTS[0]))?;
     let paper = lab.shot(&place, &papers(size, POINTS[0]))?;
     let mut pictures = Vec::new();
@@ -49,7 +50,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     shown.insert(1, ("mesh, 1/40", &mesh.image));
     let shown = figure("A triangle over a floor under one light.", &shown)?;
 
-    // Profiles across an edge of the shadow.
+    // Measure profiles across an edge of the shadow, as a part of the light without the sheet.
     let camera = edge_camera(&place);
     let strip = (PIXELS, 9);
     let bare = bare_floor(lab, &place, camera.clone())?;
@@ -71,6 +72,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     for points in POINTS {
         lines.push((format!("paper, 1/{points}"), part(&lab.shot(&point, &papers(strip, points))?.image)));
     }
+
+    // Measure how far each profile is soft, and put that into a table and a plot.
     let reach = |profile: &[(f64, f64)]| widths(profile, edge);
     let rows = lines.iter().map(|(name, profile)| {
         let (inside, outside) = reach(profile);
@@ -97,7 +100,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         lines: lines.iter().map(|(name, points)| Line { name: name.clone(), points: points.clone() }).collect(),
     };
 
-    // A sheet that is smaller than the mesh's cells.
+    // Measure how deep the shadow of a sheet smaller than the mesh's cells is.
     let small = small_sheet(lab, &place)?;
     let bare_small = bare_floor(lab, &small, small.camera.clone())?;
     let square = (160, 160);
@@ -109,6 +112,8 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
             with.image.pixels.iter().zip(&without.image.pixels).map(|(a, b)| luminance(*a) / luminance(*b).max(1e-9));
         depths.push(1.0 - parts.fold(1.0, f64::min));
     }
+
+    // Judge the claims.
     let claims = vec![
         Claim {
             claim: "The method of [4] blurs outward only.".into(),
@@ -150,7 +155,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     Ok(Section { text, tables: vec![table], figures: vec![shown, plot.figure()?], claims, ..Section::default() })
 }
 
-/// The sheet's instance is the last one.
+/// Returns the corners of the sheet, which is the last instance.
 fn sheet(place: &Place) -> [Vec3; 3] {
     let placed = place.data.instances.last().expect("the scene has a sheet");
     let mesh = &place.data.meshes[placed.mesh];
@@ -158,12 +163,12 @@ fn sheet(place: &Place) -> [Vec3; 3] {
     mesh.triangles[0].map(corner)
 }
 
-/// Where a point's shadow falls on the floor.
+/// Projects a point from the light onto the floor.
 fn shadow(light: Vec3, point: Vec3) -> Vec3 {
     light + (point - light) * (light.y / (light.y - point.y))
 }
 
-/// A camera under the sheet that looks straight down on the middle of a shadow's edge, its rows across that edge.
+/// Makes a camera under the sheet that looks straight down on the middle of a shadow's edge, its rows across that edge.
 fn edge_camera(place: &Place) -> Camera {
     let light = light_of(&place.data);
     let [a, b, c] = sheet(place).map(|corner| shadow(light, corner));
@@ -178,14 +183,14 @@ fn edge_camera(place: &Place) -> Camera {
     Camera::look_at(middle + Vec3::Y * height, middle, 2.0 * (half_height / height).atan())
 }
 
-/// The place without its sheet, seen by a camera.
+/// Builds the place without its sheet, with another camera.
 fn bare_floor(lab: &Lab<'_>, place: &Place, camera: Camera) -> Result<Place, Error> {
     let mut data = place.data.clone();
     data.instances.pop();
     lab.made_up(format!("bare floor {camera:?}"), data, camera)
 }
 
-/// The sheet, a third of a cell large, seen from below.
+/// Builds the place with a sheet a third of a cell large, and a camera on its shadow.
 fn small_sheet(lab: &Lab<'_>, place: &Place) -> Result<Place, Error> {
     let (mut data, _) = scenes::read(SceneName::Triangle)?;
     let corners = sheet(place);
@@ -200,7 +205,7 @@ fn small_sheet(lab: &Lab<'_>, place: &Place) -> Result<Place, Error> {
     lab.made_up("small sheet".to_owned(), data, camera)
 }
 
-/// The part of the light that arrives along the middle row, by metres from the middle.
+/// Returns the fraction of the light that arrives along the middle row, with the distance from its middle, metres.
 fn profile(image: &Image, open: &Image) -> Vec<(f64, f64)> {
     let row = (image.height / 2 * image.width) as usize;
     let pairs = image.pixels[row..].iter().zip(&open.pixels[row..]).take(image.width as usize);
@@ -208,7 +213,7 @@ fn profile(image: &Image, open: &Image) -> Vec<(f64, f64)> {
     pairs.enumerate().map(|(i, (a, b))| (place(i), luminance(*a) / luminance(*b).max(1e-9))).collect()
 }
 
-/// Where a hard shadow begins.
+/// Returns where a hard shadow begins, metres.
 fn edge_of(profile: &[(f64, f64)]) -> f64 {
     profile
         .windows(2)
@@ -216,7 +221,7 @@ fn edge_of(profile: &[(f64, f64)]) -> f64 {
         .map_or(0.0, |pair| 0.5 * (pair[0].0 + pair[1].0))
 }
 
-/// How far a profile is soft on the shadow's side of the edge and on the other one, metres.
+/// Measures how far a profile is soft: inside the shadow of a point light, and outside it, metres.
 fn widths(profile: &[(f64, f64)], edge: f64) -> (f64, f64) {
     let right_is_dark = profile.last().map_or(0.0, |p| p.1) < profile.first().map_or(0.0, |p| p.1);
     let sign = if right_is_dark { 1.0 } else { -1.0 };

@@ -1,9 +1,9 @@
 //! The Cornell box, life size.
 //!
-//! Dimensions (millimetres) are the published measurements: Cornell University Program of Computer Graphics, "Cornell Box
-//! Data", 1998, <https://www.graphics.cornell.edu/online/box/data.html>. Two changes: the room is made rectangular, 556 ×
-//! 548.8 × 559.2, where the original's walls are some millimetres out of true; and a point light hangs
-//! under the middle of the ceiling instead of the lamp. The colours are roundings of the measured spectra to linear RGB.
+//! Dimensions (millimetres) are the published measurements: Cornell University Program of Computer Graphics, "Cornell
+//! Box Data", 1998, <https://www.graphics.cornell.edu/online/box/data.html>. Two changes: the room is made rectangular,
+//! 556 × 548.8 × 559.2, where the original's walls are some millimetres out of true; and a point light hangs under the
+//! middle of the ceiling instead of the lamp. The colours are roundings of the measured spectra to linear RGB.
 
 use super::document::{Camera, Document, PointLight};
 use super::solids::prism;

@@ -1,4 +1,5 @@
-//! A room of 10 × 4 × 8 m with columns, spheres and a torus knot, about 5,000 triangles like the paper's, under N lights.
+//! A room of 10 × 4 × 8 m with columns, spheres and a torus knot, about 5,000 triangles like the paper's, under N
+//! lights.
 
 use super::document::{Camera, Document, PointLight};
 use super::low_discrepancy::r3;
@@ -63,8 +64,8 @@ fn shell(document: &mut Document) {
     let [even, odd] = tiles;
     document.place_copies("floor", vec![(even, ivory), (odd, slate)], &[[0.0; 3]]);
 
-    // A wall has a corner at every tile's, so that edges meet vertex to vertex. Corners run from the top of `from` to that of
-    // `to` along the floor; seen from inside `from` is on the left.
+    // A wall has a corner at every tile's, so that edges meet vertex to vertex. Corners run from the top of `from` to
+    // that of `to` along the floor; seen from inside `from` is on the left.
     let wall = |from: [f64; 2], to: [f64; 2]| {
         let steps = ((to[0] - from[0]).abs() + (to[1] - from[1]).abs()) as u8;
         let mut corners = vec![[from[0], h, from[1]]];
@@ -93,7 +94,8 @@ fn columns(document: &mut Document) {
     let stone = document.lambert("limestone", [0.74, 0.7, 0.62], 1);
     let walnut = document.lambert("walnut", [0.22, 0.125, 0.07], 1);
 
-    // Plinth and abacus are boxes; between them base, shaft (a little thinner at the top) and capital. Each begins inside the one below.
+    // Plinth and abacus are boxes; between them base, shaft (a little thinner at the top) and capital. Each begins
+    // inside the one below.
     let mut column = cuboid([0.0; 2], -SUNK, [0.62, 0.14 + SUNK, 0.62], 0.0);
     column.append(&lathe(
         &[

@@ -35,8 +35,8 @@ pub(crate) fn prism(outline: &[[f64; 2]], bottom: f64, top: f64) -> Surface {
     surface
 }
 
-/// A body of revolution about the vertical through the origin. `profile` holds (radius, height) from the lowest point of the
-/// axis to its highest; both ends have radius 0. Edges of the profile sharper than 40° stay sharp.
+/// A body of revolution about the vertical through the origin. `profile` holds (radius, height) from the lowest point
+/// of the axis to its highest; both ends have radius 0. Edges of the profile sharper than 40° stay sharp.
 pub(crate) fn lathe(profile: &[[f64; 2]], segments: usize) -> Surface {
     let ring: Vec<[f64; 2]> = (0..segments)
         .map(|j| {
@@ -166,7 +166,8 @@ impl TorusKnot {
             let (sin_phi, cos_phi) = (libm::sin(p * t), libm::cos(p * t));
             let (sin_theta, cos_theta) = (libm::sin(q * t), libm::cos(q * t));
             let ring_radius = self.major_radius + self.minor_radius * cos_theta;
-            // The middle of the tube, and the torus' own normal there: at a right angle to the curve, which lies on the torus.
+            // The middle of the tube, and the torus' own normal there: at a right angle to the curve, which lies on the
+            // torus.
             let middle = [ring_radius * cos_phi, ring_radius * sin_phi, self.minor_radius * sin_theta];
             let outward = [cos_theta * cos_phi, cos_theta * sin_phi, sin_theta];
             // The derivative of `middle` by t.

@@ -9,7 +9,7 @@ pub(crate) struct LightsImageBased {
     pub(crate) lights: Vec<ImageBasedLight>,
 }
 
-/// One of its lights.
+/// A light of EXT_lights_image_based.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct ImageBasedLight {
@@ -20,7 +20,7 @@ pub(crate) struct ImageBasedLight {
     /// Nine of red, green and blue.
     #[serde(default)]
     pub(crate) irradiance_coefficients: Vec<[f32; 3]>,
-    /// For each level of detail, from the sharpest, an image for each face.
+    /// Images of the faces for each level of detail, from the sharpest.
     #[serde(default)]
     pub(crate) specular_images: Vec<Vec<usize>>,
 }

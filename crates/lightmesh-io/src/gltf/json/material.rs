@@ -60,7 +60,7 @@ pub(crate) struct TextureInfo {
     pub(crate) index: usize,
     #[serde(default)]
     pub(crate) tex_coord: u32,
-    /// Of a normal map only.
+    /// The scale of a normal map; other textures have none.
     pub(crate) scale: Option<f32>,
     #[serde(default)]
     pub(crate) extensions: TextureInfoExtensions,

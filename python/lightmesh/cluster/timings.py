@@ -1,4 +1,4 @@
-"""What a job took: task by task, and where that went."""
+"""Time, memory and bytes of a job, task by task."""
 
 import time
 from collections import defaultdict
@@ -9,12 +9,12 @@ from typing import Any
 from lightmesh.cluster.task import Outcome, Task
 
 
-class Measured:
+class Timings:
     """Seconds, bytes and nodes of the tasks of a job."""
 
     def __init__(self) -> None:
         self.tasks: list[dict[str, Any]] = []
-        """One for each task, in the order in which they ended."""
+        """One entry for each task, in the order in which they ended."""
         self.stage_seconds: list[tuple[str, float]] = []
         """The stages in their order, and how long each lasted."""
         self.shared_bytes: list[tuple[str, int]] = []
@@ -24,7 +24,7 @@ class Measured:
 
     @contextmanager
     def stage(self, stage: str) -> Iterator[dict[str, Any]]:
-        """Counts the time of a stage that begins behind a barrier; how its beginning is written down."""
+        """Counts the time of a stage that begins behind a barrier. Yields the log entry for its beginning."""
         started = time.perf_counter()
         self._stage, self._barrier = stage, self._barrier + 1
         # Since the last one nothing was done but here
@@ -33,8 +33,8 @@ class Measured:
         self.stage_seconds.append((stage, self._ended - started))
 
     def add(self, stage: str, task: Task, outcome: Outcome) -> dict[str, Any]:
-        """Adds a task; how it is written down."""
-        took = {
+        """Adds a task; returns its log entry."""
+        entry = {
             "stage": stage,
             "barrier": self._barrier,
             "task": task.name,
@@ -51,16 +51,16 @@ class Measured:
             "bytes_out": outcome.bytes_out,
             "peak_bytes": outcome.peak_bytes,
         }
-        self.tasks.append(took)
-        return took
+        self.tasks.append(entry)
+        return entry
 
     def share(self, size: int) -> dict[str, Any]:
-        """Adds something that was shared; how it is written down."""
+        """Adds something that was shared; returns its log entry."""
         self.shared_bytes.append((self._stage, size))
         return {"stage": self._stage, "barrier": self._barrier, "shared_bytes": size}
 
     def workers(self) -> list[dict[str, Any]]:
-        """By worker process: its tasks, seconds and bytes, and the most memory that it had."""
+        """Sums up each worker process: its tasks, seconds and bytes, and the most memory that it had."""
         found: dict[tuple[str, int], dict[str, Any]] = {}
         for task in self.tasks:
             key = (task["node"], task["process"])
@@ -72,7 +72,7 @@ class Measured:
         return [dict(worker) for worker in found.values()]
 
     def summary(self) -> dict[str, Any]:
-        """What `--stats` writes of a farm: stages, workers, and what is shared."""
+        """Sums up the job as `--stats` of a farm writes it: stages, workers, and shared bytes."""
         stages: dict[str, dict[str, Any]] = {}
         for stage, seconds in self.stage_seconds:
             entry = stages.setdefault(stage, {"stage": stage, "wall_seconds": 0.0, "tasks": 0, "task_seconds": 0.0})

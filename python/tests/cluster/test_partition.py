@@ -2,7 +2,7 @@
 
 import numpy
 
-from lightmesh.cluster.cuts import count_points, cut_bricks, cut_waves
+from lightmesh.cluster.partition import count_points, cut_bricks, cut_waves
 
 
 def test_waves_are_cut_into_ranges_of_one_frame() -> None:

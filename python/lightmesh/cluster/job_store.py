@@ -1,7 +1,7 @@
-"""Job folders: what tasks brought outlives the process that asked for it.
+"""Job folders: they keep the results of tasks when the process that wanted them ends.
 
     manifest.json    which job it is, and how it was cut into tasks
-    tasks.jsonl      what each task took, one a line
+    tasks.jsonl      time, memory and bytes of each task, one a line
     KIND/REST.npz    the result of the task with the key KIND-REST
 
 Files appear whole or not at all.
@@ -25,7 +25,7 @@ from lightmesh.cluster.task import Result, Task
 _FORMAT = 1
 
 
-class JobFolder:
+class JobStore:
     """A folder that holds one job, for one process at a time."""
 
     def __init__(self, path: Path) -> None:
@@ -62,7 +62,7 @@ class JobFolder:
         return self._file(task).exists()
 
     def read(self, task: Task) -> Result | None:
-        """What the task brought; None if its file cannot be read, which then is gone."""
+        """Reads the result of a task. None if its file cannot be read; the file is deleted then."""
         file = self._file(task)
         try:
             with numpy.load(file, allow_pickle=False) as arrays:
@@ -72,7 +72,7 @@ class JobFolder:
             return None
 
     def write(self, task: Task, result: Result) -> None:
-        """Keeps what a task brought."""
+        """Writes the result of a task."""
         file = self._file(task)
         file.parent.mkdir(exist_ok=True)
         temporary = file.with_suffix(".tmp")
@@ -81,13 +81,13 @@ class JobFolder:
             numpy.savez(out, **arrays)
         temporary.replace(file)
 
-    def note(self, measured: Mapping[str, Any]) -> None:
+    def note(self, entry: Mapping[str, Any]) -> None:
         """Adds a line to tasks.jsonl."""
-        self._log.write(json.dumps(measured) + "\n")
+        self._log.write(json.dumps(entry) + "\n")
         self._log.flush()
 
     def close(self) -> None:
-        """Lets others have it."""
+        """Releases the folder for other processes."""
         self._log.close()
         os.close(self._lock)
 

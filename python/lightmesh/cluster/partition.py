@@ -1,4 +1,4 @@
-"""Where work is cut into tasks."""
+"""Cuts work into tasks."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -41,12 +41,12 @@ def cut_bricks(bricks: Array, tasks: int) -> list[Array]:
 
 
 def count_points(bricks: Array) -> int:
-    """How many points are wanted of all bricks."""
+    """Counts the points of all bricks."""
     return int(_points(bricks).sum())
 
 
 def _points(bricks: Array) -> Array:
-    """How many points are wanted of each brick."""
+    """Counts the points of each brick."""
     words = numpy.ascontiguousarray(bricks[:, 1:])
     counts: Array = numpy.unpackbits(words.view(numpy.uint8), axis=1).sum(axis=1, dtype=numpy.int64)
     return counts

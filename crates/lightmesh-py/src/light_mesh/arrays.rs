@@ -1,11 +1,11 @@
-//! What a light mesh knows, as arrays that keep it from one change of the mesh to the next.
+//! A snapshot of a light mesh as arrays, which is kept until the mesh changes.
 
 use lightmesh::{Contents, Counts, DirectValues, LightMesh, PointContents};
 use pyo3::prelude::*;
 
 use crate::view::{self, Keeps};
 
-/// A copy of what a mesh knew at some time.
+/// A copy of the points and values of a mesh.
 #[pyclass(frozen)]
 pub(crate) struct PyMeshArrays {
     counts: Counts,
@@ -27,7 +27,7 @@ struct MeshArrays {
     valid: Vec<bool>,
     /// NaN where a point gives no light; `None` where points keep no irradiance.
     values: Option<Vec<f32>>,
-    /// Of the values of a point.
+    /// The shape of the values of a point.
     shape: Vec<usize>,
 }
 
@@ -53,7 +53,7 @@ impl MeshArrays {
 }
 
 impl PyMeshArrays {
-    /// Of all that a mesh knows; of indirect light, that after so many bounces.
+    /// Copies all points and values of a mesh; of indirect light those after this many bounces.
     pub(crate) fn new(mesh: &LightMesh, bounces: u32) -> Self {
         let Contents { direct, indirect } = mesh.contents_since(&Counts::default());
         let (values, shape): (_, &[usize]) = match direct.values {
@@ -73,30 +73,30 @@ impl PyMeshArrays {
         Self { counts: mesh.counts(), meshes: [direct, indirect] }
     }
 
-    /// Whether the mesh still knows just this.
+    /// Returns whether the mesh has not changed since.
     pub(crate) fn is_current(&self, mesh: &LightMesh) -> bool {
         self.counts == mesh.counts()
     }
 
-    /// Where points are, (n, 3).
+    /// Returns the positions of the points, (n, 3).
     pub(crate) fn points<'py>(slf: &Bound<'py, Self>, part: Part) -> PyResult<Bound<'py, PyAny>> {
         let n = slf.get().of(part).valid.len();
         view::of::<f32, _>(slf, 2 * part as usize, &[n, 3])
     }
 
-    /// What they know, (n, ...); `None` where that is no irradiance.
+    /// Returns the values of the points, (n, ...); `None` where points keep no irradiance.
     pub(crate) fn values<'py>(slf: &Bound<'py, Self>, part: Part) -> PyResult<Option<Bound<'py, PyAny>>> {
         let MeshArrays { valid, values, shape, .. } = slf.get().of(part);
         let shape: Vec<usize> = std::iter::once(valid.len()).chain(shape.iter().copied()).collect();
         values.as_ref().map(|_| view::of::<f32, _>(slf, 2 * part as usize + 1, &shape)).transpose()
     }
 
-    /// Whether they give light, (n,).
+    /// Returns which points give light, (n,).
     pub(crate) fn valid<'py>(slf: &Bound<'py, Self>, part: Part) -> PyResult<Bound<'py, PyAny>> {
         view::of::<bool, _>(slf, part as usize, &[slf.get().of(part).valid.len()])
     }
 
-    /// On which level they are, (n,).
+    /// Returns the levels of the points, (n,).
     pub(crate) fn levels<'py>(slf: &Bound<'py, Self>, part: Part) -> PyResult<Bound<'py, PyAny>> {
         view::of::<u8, _>(slf, part as usize, &[slf.get().of(part).levels.len()])
     }

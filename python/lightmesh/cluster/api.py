@@ -1,4 +1,4 @@
-"""The front doors: a picture, frames, a baked mesh."""
+"""The functions for users: a picture, frames, a baked mesh."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 from numpy.typing import ArrayLike
 
 from lightmesh._native import Image, LightMesh, Scene, __version__
-from lightmesh.cluster.cuts import TASKS_PER_WORKER
-from lightmesh.cluster.folder import JobFolder
+from lightmesh.cluster.partition import TASKS_PER_WORKER
+from lightmesh.cluster.job_store import JobStore
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice, Pictures, describe
 from lightmesh.cluster.plan import Plan
 from lightmesh.cluster.progress import reporter
@@ -22,7 +22,7 @@ Progress: TypeAlias = bool | Callable[[str, int, int, int], object] | None
 
 @dataclass(frozen=True)
 class Farm:
-    """How a job is done. Nothing of its pictures depends on it."""
+    """How a job is run. The pictures do not depend on it."""
 
     address: str | None = None
     """Of the cluster's head; None: RAY_ADDRESS, a cluster that runs on this machine, or a new one of its cores
@@ -45,7 +45,7 @@ class Farm:
     """True shows a bar (needs tqdm); or a function of (stage, done, total, rays): tasks of the whole job, as far as
     they are known."""
     stats: dict[str, Any] | None = None
-    """Takes up what the job took: stages, workers with their memory, bytes."""
+    """A dict that is filled with statistics of the job: stages, workers with their memory, bytes."""
     executor: Executor | None = None
     """Does the tasks in place of a Ray cluster."""
 
@@ -87,7 +87,7 @@ def bake(
     """
     with _plan(scene, cameras, "bake", address, options) as plan:
         plan.fill()
-        plan.take_over()
+        plan.absorb()
         if region is not None:
             plan.mesh.fill(region=region)
         return plan.mesh
@@ -97,9 +97,9 @@ def bake(
 def _plan(
     scene: Scene, cameras: Sequence[CameraChoice], what: str, address: str | None, options: dict[str, Any]
 ) -> Iterator[Plan]:
-    """A job that is ready to begin, and let go of at the end."""
-    of_farm = {name: options.pop(name) for name in list(options) if name in Farm.__dataclass_fields__}
-    farm = Farm(address=address, **of_farm)
+    """Prepares a job. Yields its plan, and releases everything at the end."""
+    farm_options = {name: options.pop(name) for name in list(options) if name in Farm.__dataclass_fields__}
+    farm = Farm(address=address, **farm_options)
     mesh: LightMesh | None = options.pop("mesh", None)
     with ExitStack() as ends:
         report, close_bar = reporter(farm.progress)
@@ -114,7 +114,7 @@ def _plan(
         tasks = farm.tasks_per_worker * executor.workers
         folder = None
         if farm.job is not None:
-            folder = JobFolder(Path(farm.job))
+            folder = JobStore(Path(farm.job))
             ends.callback(folder.close)
             manifest = {
                 "version": __version__,
@@ -129,9 +129,9 @@ def _plan(
         )
         yield plan
         if mesh is not None:
-            plan.take_over()
+            plan.absorb()
         if farm.stats is not None:
-            farm.stats.update(plan.measured.summary())
+            farm.stats.update(plan.timings.summary())
 
 
 def _ray(farm: Farm) -> Executor:

@@ -1,33 +1,34 @@
 //! One picture of which several processes take parts.
 
-mod job;
-
-use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use lightmesh::filling::{self, Wanted};
-use lightmesh::portions::{self, Outlines, PictureSamples, Portion};
-use lightmesh::{Fingerprint, LightMesh, RenderStats};
+use lightmesh::portions::{self, Portion};
+use lightmesh::{Fingerprint, LightMesh};
 use lightmesh_cli::{SOFTWARE, Stats, method_name};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-pub(crate) use self::job::{Job, JobError};
 use crate::bricks::BrickArrays;
-use crate::error::{self, Raise};
+use crate::error::Raise;
 use crate::gathering::PyGathering;
-use crate::image::{PyImage, from_json, metadata};
-use crate::light_mesh::PyLightMesh;
-use crate::scene::{PyScene, scene_camera};
+use crate::image::{PyImage, metadata};
+use crate::job::{Job, JobError};
+use crate::light_mesh::{self, PyLightMesh};
+use crate::portions::{from_dict, outlines_of, samples, to_dict};
+use crate::scene::{LitScene, PyScene, scene_camera};
+use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{arrays, bricks, keywords};
+use crate::{arrays, bricks, json, keywords};
 
-/// One picture, of which this process takes parts: what a cluster is made of (lightmesh.cluster makes pictures with it).
+/// One picture that several processes render in parts, as lightmesh.cluster does.
 ///
-/// The samples of a picture are waves, numbered from 0; whoever has the same scene, camera and options can take any of them, and the picture is
-/// that of Scene.render, bit for bit. Mesh points can be filled before, together; those that are missing are filled on the way.
-/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each of 512 points.
+/// The samples of a picture are waves, numbered from 0. Processes with the same scene, camera and options can each take
+/// any of them, and the picture is that of Scene.render, bit for bit. Mesh points can be filled together before; a wave
+/// fills those that it misses.
+/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each
+/// of 512 points.
 #[pyclass(name = "PictureJob", module = "lightmesh", frozen)]
 pub(crate) struct PyPictureJob {
     pub(crate) job: Arc<Job>,
@@ -48,24 +49,29 @@ impl PyPictureJob {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
+        // Parse the options, light the scene and choose the camera.
         let chosen = keywords::pairs("PictureJob", options)?;
-        let (keywords, built) = scene.get().keywords_and_built(scene, mesh, &chosen)?;
-        let camera = scene_camera(&built.scene.data().cameras, built.scene.data(), camera)?;
+        let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen)?;
+        let camera = scene_camera(built.scene.data(), camera)?;
         let options = keywords.options(&camera);
         options.check_picture_memory().map_err(|error| error.raise(py))?;
-        let shared = mesh.map(|mesh| Arc::clone(&mesh.get().mesh));
+
+        // Make a mesh, unless there is one.
+        let shared = mesh.map(|mesh| mesh.get().mesh.clone());
         let (theirs, mesh_options) = (Arc::clone(&built), options.clone());
         let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, move |_| {
             let mesh = match shared {
                 Some(mesh) => mesh,
-                None => Arc::new(Mutex::new(LightMesh::new(&theirs.scene, &mesh_options)?)),
+                None => SharedMesh::new(LightMesh::new(&theirs.scene, &mesh_options)?),
             };
             Ok((mesh, Fingerprint::of_scene(&theirs.scene)))
         })?;
         let (mesh, fingerprint) = made.map_err(|error: lightmesh::Error| error.raise(py))?;
+
+        let origin = &scene.get().origin;
         let job = Job {
-            name: scene.get().name.clone(),
-            units: scene.get().units,
+            name: origin.name.clone(),
+            units: origin.units,
             emitters: keywords.emitters().clone(),
             built,
             camera,
@@ -77,13 +83,14 @@ impl PyPictureJob {
         Ok(Self { job: Arc::new(job), threads: keywords.threads() })
     }
 
-    /// How many waves the picture's samples are.
+    /// The number of waves of the picture.
     #[getter]
     fn wave_count(&self, py: Python<'_>) -> PyResult<u64> {
         portions::wave_count(&self.job.options).map_err(|error| error.raise(py))
     }
 
-    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
+    /// The most levels that the meshes may have. Which points of a finer level are needed may only be known when those
+    /// of the coarser one are filled.
     #[getter]
     fn level_count(&self, py: Python<'_>) -> PyResult<u32> {
         let levels = self.job.with_mesh(|mesh| Ok(mesh.level_count()));
@@ -96,7 +103,7 @@ impl PyPictureJob {
         self.job.with_mesh(|mesh| Ok(mesh.has_indirect())).map_err(|error| error.raise(py))
     }
 
-    /// Diffuse interreflections: groups exchange their levels 0 to so many.
+    /// The number of diffuse interreflections; groups exchange levels from 0 to this.
     #[getter]
     fn bounces(&self) -> u32 {
         self.job.options.bounces
@@ -114,23 +121,25 @@ impl PyPictureJob {
         self.job.settings()
     }
 
-    /// 32 hexadecimal digits of the scene, the camera and all options: jobs of the same fingerprint make the same picture.
+    /// 32 hexadecimal digits of the scene, the camera and all options: jobs of the same fingerprint make the same
+    /// picture.
     #[getter]
     fn fingerprint(&self) -> String {
         let job = &self.job;
-        let what = format!("{} {} {:?} {SOFTWARE}", job.scene, job.settings(), job.camera);
-        Fingerprint::of_text(&what).to_string()
+        let text = format!("{} {} {:?} {SOFTWARE}", job.scene, job.settings(), job.camera);
+        Fingerprint::of_text(&text).to_string()
     }
 
-    /// Looks at the whole picture, as far as the options want it (error, refine, graded), which the other methods do where it has not been
-    /// done; returns what it took, with the keys of the library's stats.
+    /// Prepares the mesh for the whole picture, as far as the options need that (error, refine, graded). The other
+    /// methods do it if it has not been done. Returns statistics, with the keys of the library's stats.
     #[pyo3(signature = (*, progress=None))]
     fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.run(py, progress, |job, watch| job.with_prepared(watch, |_, prepared| Ok(prepared.stats)))?;
-        from_json(py, &json(&stats)?)
+        json::parse(py, &json::written(serde_json::to_string(&stats))?)
     }
 
-    /// Points of the direct and of the indirect mesh that the samples of waves first to last (exclusive) read and that this process lacks.
+    /// Finds the mesh points that waves first to last (exclusive) read and that this process lacks. Returns those of
+    /// the direct and those of the indirect mesh.
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn demand<'py>(
         &self,
@@ -150,7 +159,7 @@ impl PyPictureJob {
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
-    /// Fills points of the direct mesh; returns what it knows of all of them: uint8, (n,), for absorb.
+    /// Fills points of the direct mesh. Returns their values as bytes: uint8, (n,), for absorb.
     #[pyo3(signature = (bricks, *, progress=None))]
     fn fill_direct<'py>(
         &self,
@@ -168,7 +177,7 @@ impl PyPictureJob {
         Ok(bytes.into_pyarray(bricks.py()))
     }
 
-    /// Adds points that fill_direct or a group's contents gave; those that are there already are left as they are.
+    /// Adds points that fill_direct or Gathering.contents returned. Points that the mesh has already stay as they are.
     fn absorb(&self, contents: &Bound<'_, PyAny>) -> PyResult<()> {
         let bytes = arrays::bytes(contents, "contents")?;
         self.run(contents.py(), None, move |job, _| {
@@ -179,7 +188,7 @@ impl PyPictureJob {
         })
     }
 
-    /// Gathers light for some points of the indirect mesh: shoots their rays, and finds out what these read.
+    /// Begins to gather light for points of the indirect mesh: shoots their rays, and finds the points that these read.
     #[pyo3(signature = (bricks, *, progress=None))]
     fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
         let points = bricks::from_array(bricks, "bricks")?;
@@ -189,8 +198,8 @@ impl PyPictureJob {
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }
 
-    /// Takes the samples of waves first to last (exclusive): a dict with both, values (float32: the sums of each pixel's light and layers),
-    /// seen (uint8: what was seen of lamps) and stats (JSON).
+    /// Renders waves first to last (exclusive). Returns a dict with first, last, values (float32: the sums of light and
+    /// layers in each pixel), seen (uint8: which emitters the samples saw) and stats (JSON).
     #[pyo3(signature = (first, last, *, outlines=None, progress=None))]
     fn render<'py>(
         &self,
@@ -201,36 +210,30 @@ impl PyPictureJob {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let outlines = outlines.map(outlines_of).transpose()?;
-        let Portion { waves, values, seen, stats } = self.run(py, progress, move |job, watch| {
+        let portion = self.run(py, progress, move |job, watch| {
             job.with_prepared(watch, |mesh, prepared| {
                 let part = (prepared, samples(outlines.as_ref()), first..last);
                 portions::render(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
             })
         })?;
-        let portion = PyDict::new(py);
-        portion.set_item("first", waves.start)?;
-        portion.set_item("last", waves.end)?;
-        portion.set_item("values", values.into_pyarray(py))?;
-        portion.set_item("seen", seen.into_pyarray(py))?;
-        portion.set_item("stats", json(&stats)?)?;
-        Ok(portion)
+        to_dict(py, portion)
     }
 
-    /// Where all waves have been taken, the outlines of lamps, whose samples are to be taken anew: what was seen, and how many waves they
-    /// are; None: there is nothing to do.
+    /// Finds the pixels on outlines of emitters, whose samples are to be taken anew, once all waves are rendered.
+    /// Returns what was seen there and the number of waves; None if there are no such pixels.
     fn outlines<'py>(
         &self,
         py: Python<'py>,
         portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<Option<(Bound<'py, PyArray1<u8>>, u64)>> {
-        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = self.run(py, None, move |job, _| {
             Ok(portions::outlines(&job.built.scene, &job.camera, &job.options, &taken)?)
         })?;
         Ok(outlines.map(|outlines| (outlines.seen.into_pyarray(py), outlines.waves)))
     }
 
-    /// The picture from all waves, and those of the outlines.
+    /// Assembles the picture from all waves and those of the outlines.
     #[pyo3(signature = (portions, outlines=None, outline_portions=Vec::new()), text_signature = "($self, portions, outlines=None, outline_portions=())")]
     fn assemble<'py>(
         &self,
@@ -239,8 +242,8 @@ impl PyPictureJob {
         outlines: Option<&Bound<'py, PyTuple>>,
         outline_portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<PyImage> {
-        let taken: Vec<Portion> = portions.iter().map(portion_of).collect::<PyResult<_>>()?;
-        let anew: Vec<Portion> = outline_portions.iter().map(portion_of).collect::<PyResult<_>>()?;
+        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
+        let anew: Vec<Portion> = outline_portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = outlines.map(outlines_of).transpose()?;
         let job = &self.job;
         let frame = self.run(py, None, move |job, _| {
@@ -248,11 +251,8 @@ impl PyPictureJob {
             Ok(portions::assemble(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
         })?;
         let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
-        let text = serde_json::to_string(&stats).map_err(|error| error::internal(&error.to_string()))?;
-        let mut metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
-        (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
-        metadata.estimated_error = frame.stats.estimated_error;
-        Ok(PyImage::of_frame(frame, metadata, text))
+        let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
+        Ok(PyImage::of_frame(frame, metadata, json::written(serde_json::to_string(&stats))?))
     }
 
     fn __repr__(&self) -> String {
@@ -277,32 +277,4 @@ impl PyPictureJob {
         let done = work::run(py, self.threads, callback, AtInterrupt::Wait, move |watch| work(&job, watch))?;
         done.map_err(|error| error.raise(py))
     }
-}
-
-fn samples(outlines: Option<&Outlines>) -> PictureSamples<'_> {
-    outlines.map_or(PictureSamples::All, PictureSamples::Outlines)
-}
-
-/// What [`PyPictureJob::outlines`] gave.
-fn outlines_of(value: &Bound<'_, PyTuple>) -> PyResult<Outlines> {
-    let (seen, waves): (Bound<'_, PyAny>, u64) = value.extract()?;
-    Ok(Outlines { seen: arrays::bytes(&seen, "outlines")?, waves })
-}
-
-/// What [`PyPictureJob::render`] gave.
-fn portion_of(value: &Bound<'_, PyDict>) -> PyResult<Portion> {
-    let item = |name: &str| {
-        let missing = || error::option(value.py(), format!("portions: one has no {name:?}"));
-        value.get_item(name)?.ok_or_else(missing)
-    };
-    let waves: Range<u64> = item("first")?.extract()?..item("last")?.extract()?;
-    let text: String = item("stats")?.extract()?;
-    let stats: RenderStats =
-        serde_json::from_str(&text).map_err(|error| error::option(value.py(), format!("portions: stats: {error}")))?;
-    let values = arrays::floats(&item("values")?, "values")?.values;
-    Ok(Portion { waves, values, seen: arrays::bytes(&item("seen")?, "seen")?, stats })
-}
-
-fn json(stats: &RenderStats) -> PyResult<String> {
-    serde_json::to_string(stats).map_err(|error| error::internal(&error.to_string()))
 }

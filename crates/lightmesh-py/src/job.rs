@@ -1,6 +1,6 @@
-//! What work on a part of a picture needs.
+//! What processes need to work on parts of one picture.
 
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex};
 
 use lightmesh::portions::{self, Prepared};
 use lightmesh::{Camera, Contents, Fingerprint, LightMesh, RenderOptions};
@@ -9,24 +9,24 @@ use lightmesh_io::{MeshFile, Units};
 use pyo3::prelude::*;
 
 use crate::built::Built;
-use crate::error::{self, Raise};
-use crate::light_mesh::IN_USE;
+use crate::error::Raise;
+use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{Watch, locked};
 
-/// What the work needs.
+/// A picture to be made in parts.
 pub(crate) struct Job {
-    pub(super) name: String,
-    pub(super) units: Units,
-    pub(super) emitters: EmitterArgs,
+    pub(crate) name: String,
+    pub(crate) units: Units,
+    pub(crate) emitters: EmitterArgs,
     pub(crate) built: Arc<Built>,
-    pub(super) camera: Camera,
+    pub(crate) camera: Camera,
     pub(crate) options: RenderOptions,
-    pub(super) mesh: Arc<Mutex<LightMesh>>,
-    pub(super) prepared: Mutex<Option<Prepared>>,
-    pub(super) scene: Fingerprint,
+    pub(crate) mesh: SharedMesh,
+    pub(crate) prepared: Mutex<Option<Prepared>>,
+    pub(crate) scene: Fingerprint,
 }
 
-/// Why a part cannot be had.
+/// Why work on a part failed.
 pub(crate) enum JobError {
     Library(lightmesh::Error),
     File(lightmesh_io::Error),
@@ -39,7 +39,7 @@ impl Raise for JobError {
         match self {
             Self::Library(error) => error.raise(py),
             Self::File(error) => error.raise(py),
-            Self::InUse => error::general(py, IN_USE),
+            Self::InUse => shared_mesh::in_use(py),
         }
     }
 }
@@ -51,19 +51,17 @@ impl From<lightmesh::Error> for JobError {
 }
 
 impl Job {
-    /// Works with the mesh.
+    /// Works with the mesh, which nobody else may be doing.
     pub(crate) fn with_mesh<T>(
         &self,
         work: impl FnOnce(&mut LightMesh) -> Result<T, lightmesh::Error>,
     ) -> Result<T, JobError> {
-        match self.mesh.try_lock() {
-            Ok(mut mesh) => Ok(work(&mut mesh)?),
-            Err(TryLockError::WouldBlock | TryLockError::Poisoned(_)) => Err(JobError::InUse),
-        }
+        let mut mesh = self.mesh.lock().ok_or(JobError::InUse)?;
+        Ok(work(&mut mesh)?)
     }
 
-    /// Works with the mesh, made ready for the picture.
-    pub(super) fn with_prepared<T>(
+    /// Works with the mesh after it was prepared for the picture, which happens once.
+    pub(crate) fn with_prepared<T>(
         &self,
         watch: &Watch,
         work: impl FnOnce(&mut LightMesh, &Prepared) -> Result<T, lightmesh::Error>,
@@ -78,7 +76,7 @@ impl Job {
         })
     }
 
-    /// Contents as the bytes of a mesh file, for other processes.
+    /// Writes contents as the bytes of a mesh file, for other processes.
     pub(crate) fn to_bytes(&self, contents: Contents) -> Vec<u8> {
         lightmesh_io::mesh_to_bytes(&MeshFile {
             scene: self.scene,
@@ -90,7 +88,8 @@ impl Job {
         })
     }
 
-    pub(super) fn settings(&self) -> String {
+    /// Returns every option and the camera's name as a JSON object.
+    pub(crate) fn settings(&self) -> String {
         settings_json(&self.options, &self.emitters, self.units, &self.camera.name)
     }
 }
