@@ -94,7 +94,7 @@ impl std::ops::AddAssign for Seconds {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RenderStats {
-    /// Samples that every pixel has; fewer than [`RenderOptions::spp`](crate::options::RenderOptions::spp) where the time limit was
+    /// Samples that every pixel has; fewer than [`PictureOptions::spp`](crate::PictureOptions::spp) where the time limit was
     /// reached: some pixels may have an eighth more then, or one more. Outlines of lamps have more (64).
     pub spp: u32,
     /// Whether the time limit ended the work before all samples were taken.

@@ -11,7 +11,7 @@ use crate::Viewer;
 pub enum Stage {
     /// Making a first sketch for a [`Viewer`]; counts samples.
     Sketch,
-    /// Comparing pixels with their exact light, to keep to [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
+    /// Comparing pixels with their exact light, to keep to [`Method::Mesh`](crate::Method::Mesh)(crate::options::RenderOptions::error); counts samples.
     Check,
     /// Finding out which mesh points a picture's samples read; counts samples.
     Demand,
@@ -20,7 +20,7 @@ pub enum Stage {
     /// Sampling the outlines of lamps again, more finely; counts samples.
     Outlines,
     /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::options::Method::Path)
-    /// [`RenderOptions::spp`](crate::options::RenderOptions::spp).
+    /// [`PictureOptions::spp`](crate::PictureOptions::spp).
     Measure,
     /// Evaluating mesh points before somebody reads them; counts those that were asked for.
     Fill,

@@ -8,7 +8,8 @@ use super::visibility_runs::LightRuns;
 use crate::interaction::Vertex;
 use crate::light::Directions;
 use crate::mesh::{Axes, Costs, Lattice, Marks, Neighbourhood, Points};
-use crate::{Error, Falloff, MeshStats, Method, PaperScale, RenderOptions, Scene};
+use crate::options::PointKind;
+use crate::{Error, Falloff, MeshKey, MeshStats, PaperScale, RenderOptions, Scene};
 
 /// What one mesh point keeps: per channel and axis a pair, light that arrives and light that would arrive if nothing were
 /// in the way. Readers sum both over their neighbourhood and divide last, so that a point close to a lamp, which knows most
@@ -37,12 +38,11 @@ pub(crate) enum Field {
 
 impl Field {
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        match options.method {
-            _ if options.knows_lights() => Self::ByLight { falloff: options.falloff },
-            Method::Paper => Self::Scalar { falloff: options.field_falloff, scale: options.paper_scale },
-            Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => {
-                Self::SixAxis { falloff: options.falloff }
-            }
+        let falloff = options.transport.falloff;
+        match MeshKey::of(options).kind {
+            PointKind::ByLight => Self::ByLight { falloff },
+            PointKind::Scalar { field_falloff, scale } => Self::Scalar { falloff: field_falloff, scale },
+            PointKind::SixAxis => Self::SixAxis { falloff },
         }
     }
 
@@ -106,22 +106,15 @@ impl DirectField {
         let constant = papers_constant(scene, field);
         let points = Points::new(lattices, neighbourhood);
         let samples = scene.lights();
-        let knows_clusters = options.knows_lights() && lights.has_clusters();
+        let knows_clusters = options.method.knows_lights() && lights.has_clusters();
         let runs = knows_clusters.then(LightRuns::default);
-        let bits = (options.knows_lights() && !knows_clusters).then(|| LightBits::new(samples.lanes()));
+        let bits = (options.method.knows_lights() && !knows_clusters).then(|| LightBits::new(samples.lanes()));
         let mut padding = vec![0; samples.lanes().div_ceil(64)];
         for lane in (0..64 * padding.len()).filter(|&i| i >= samples.lanes() || samples.intensity(i) == Vec3::ZERO) {
             padding[lane / 64] |= 1 << (lane % 64);
         }
-        let max_memory = options.max_memory;
+        let max_memory = options.limits.max_memory;
         Ok(Self { points, field, values: Vec::new(), lights, bits, runs, padding, constant, max_memory })
-    }
-
-    pub(crate) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
-        self.field == Field::of(options)
-            && self.lights.serves(options)
-            && self.points.neighbourhood == neighbourhood
-            && (self.bits.is_some() || self.runs.is_some()) == options.knows_lights()
     }
 
     pub(crate) fn marks(&self) -> Marks {

@@ -57,13 +57,13 @@ impl Plan {
         let unbiased = |rays| Shading::Unbiased { rays, seed };
         let (seen, gathered) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
-            Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
-            Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
+            Method::Mesh { error: Some(_) } => (Shading::Exact, unbiased(1)),
+            Method::Mesh { error: None } | Method::Paper { .. } => (Shading::MeanVisibility, Shading::MeanVisibility),
             Method::Hybrid => (Shading::by_light(Care::HYBRID, options), unbiased(1)),
-            Method::Unbiased => (unbiased(options.rays), unbiased(1)),
+            Method::Unbiased { rays } => (unbiased(rays), unbiased(1)),
         };
         let indirect = match options.method {
-            Method::Unbiased => Indirect::Unbiased { rays: options.rays, seed: options.seed },
+            Method::Unbiased { rays } => Indirect::Unbiased { rays, seed: options.seed },
             _ => Indirect::Mesh,
         };
         Self { seen, gathered, indirect }

@@ -220,7 +220,7 @@ impl DirectLighting<'_, '_> {
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
-        let (scene, falloff) = (self.scene, self.options.falloff);
+        let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let shading = self.plan.shading(sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();

@@ -39,7 +39,7 @@ pub fn demand(
         return Ok(Wanted::default());
     }
     prepared.check(mesh)?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     let mut film = film_of(scene, camera, options, samples)?;
     check_waves(&film, &waves)?;
     film.begin_portion(waves);
@@ -51,7 +51,7 @@ pub fn demand(
 /// Evaluates points of the direct mesh, those that are there already left out. The rays that it took.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::InvalidBricks`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn fill_direct(
     scene: &Scene,
     options: &RenderOptions,
@@ -60,7 +60,7 @@ pub fn fill_direct(
     progress: &dyn Progress,
 ) -> Result<RayCounts, Error> {
     options.validate()?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     if !options.method.has_mesh() {
         return Ok(RayCounts::default());
     }

@@ -41,7 +41,7 @@ pub struct LevelValues {
     /// Refinement and lattice coordinates of each point, ascending.
     pub points: Vec<[u32; 4]>,
     /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
-    /// [`Method::Paper`](crate::options::Method::Paper) formula (4), one colour.
+    /// [`Method::PAPER`](crate::options::Method::PAPER) formula (4), one colour.
     pub values: Vec<f32>,
 }
 
@@ -66,7 +66,7 @@ impl Gathering {
     /// points their hits read. `mesh` only says how; it need not have any points.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::InvalidBricks`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn new(
         scene: &Scene,
         options: &RenderOptions,
@@ -75,7 +75,7 @@ impl Gathering {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         options.validate()?;
-        mesh.check_serves(options)?;
+        mesh.check_compatible(options)?;
         let Some(field) = &mesh.indirect else {
             let what = "there is no indirect mesh without bounces".into();
             return Err(Error::InvalidOption { option: "bounces", what });
@@ -139,7 +139,7 @@ impl Gathering {
     /// nothing.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::IncompatibleMesh`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn light(
         &mut self,
         scene: &Scene,
@@ -147,7 +147,7 @@ impl Gathering {
         mesh: &mut LightMesh,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
-        mesh.check_serves(options)?;
+        mesh.check_compatible(options)?;
         let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
         let mut stats = RenderStats::default();
         let mut marks = mesh.direct.marks();
@@ -165,9 +165,9 @@ impl Gathering {
     /// level after the other; one that is known is given again.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] where a point is missing below, or the level is not the next.
+    /// [`Error::InvalidReflection`] where a point is missing below, or the level is not the next.
     pub fn bounce(&mut self, scene: &Scene, k: u32, below: &LevelValues) -> Result<LevelValues, Error> {
-        let bad = |what: String| Err(Error::InvalidOption { option: "bounces", what });
+        let bad = |what: String| Err(Error::InvalidReflection { what });
         let (k, sides) = (k as usize, self.field.sides.count());
         if k >= self.field.levels.len() || (k > 0 && self.field.levels[k - 1].is_empty() && self.own > 0) {
             return bad(format!("reflection {k} is not the next of {}", self.field.levels.len() - 1));
@@ -188,7 +188,7 @@ impl Gathering {
     /// Puts T_k of the points that others fill behind those of its own.
     fn take_below(&mut self, k: usize, below: &LevelValues) -> Result<(), Error> {
         let sides = self.field.sides.count();
-        let bad = |what: String| Err(Error::InvalidOption { option: "below", what });
+        let bad = |what: String| Err(Error::InvalidReflection { what });
         if below.values.len() != below.points.len() * sides * 3 {
             return bad(format!("{} numbers are not {} colours a point", below.values.len(), sides));
         }
@@ -231,12 +231,11 @@ impl Gathering {
     /// What the mesh that it was made with is to know of its points, when they have all their levels.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] before that.
+    /// [`Error::InvalidReflection`] before that.
     pub fn contents(&self, mesh: &LightMesh) -> Result<Contents, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
         if self.field.levels.iter().any(|level| level.len() < own.len() * self.field.sides.count()) {
-            let what = "the last reflection is still to come".into();
-            return Err(Error::InvalidOption { option: "bounces", what });
+            return Err(Error::InvalidReflection { what: "the last one is still to come".into() });
         }
         let (hit_irradiance, hit_count) = self.field.hit_irradiance;
         let mut points = self.field.points.contents_since(PointCounts::default());

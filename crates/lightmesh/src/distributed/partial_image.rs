@@ -39,8 +39,7 @@ impl Prepared {
         if self.holds(mesh) {
             return Ok(());
         }
-        let what = "the mesh has been made ready for another picture since".into();
-        Err(Error::InvalidOption { option: "mesh", what })
+        Err(Error::IncompatibleMesh { what: "has been made ready for another picture since".into() })
     }
 }
 
@@ -82,8 +81,8 @@ pub struct Portion {
 /// As [`RenderOptions::validate`].
 pub fn wave_count(options: &RenderOptions) -> Result<u64, Error> {
     options.validate()?;
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    let per_wave = crate::film::WAVE / u64::from(options.spp);
+    let pixels = u64::from(options.picture.width) * u64::from(options.picture.height);
+    let per_wave = crate::film::WAVE / u64::from(options.picture.spp);
     Ok(pixels.div_ceil(per_wave))
 }
 
@@ -111,7 +110,8 @@ pub fn prepare(
 /// Takes the samples of some waves of a picture; what the mesh lacks for them is filled.
 ///
 /// # Errors
-/// As [`prepare`]; [`Error::InvalidOption`] where the mesh has been made ready for another picture since, and for waves that the picture
+/// As [`prepare`]; [`Error::IncompatibleMesh`] where the mesh has been made ready for another picture since,
+/// [`Error::InvalidWaves`] for waves that the picture
 /// does not have.
 pub fn render(
     scene: &Scene,
@@ -138,7 +138,7 @@ pub fn render(
 /// The outlines of lamps in a picture of which all portions are there; `None` where no pixel has to be sampled anew.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] where portions are missing or twice, or not of this picture.
+/// [`Error::InvalidPortions`] where portions are missing or twice, or not of this picture.
 pub fn outlines(
     scene: &Scene,
     camera: &Camera,
@@ -165,7 +165,7 @@ pub fn outlines(
 /// The picture from all its portions and, where there are outlines, from all of theirs. Seconds and rays are sums over the portions.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] where portions are missing or twice, or not of this picture.
+/// [`Error::InvalidPortions`] where portions are missing or twice, or not of this picture.
 pub fn assemble(
     scene: &Scene,
     camera: &Camera,
@@ -175,14 +175,14 @@ pub fn assemble(
 ) -> Result<Frame, Error> {
     check(options)?;
     let mut film = new_film(scene, camera, options);
-    let mut stats = RenderStats { spp: options.spp, ..RenderStats::default() };
+    let mut stats = RenderStats { spp: options.picture.spp, ..RenderStats::default() };
     put(&mut film, portions, &mut stats)?;
     if let Some((outlines, portions)) = outlines {
         turn_to(&mut film, outlines)?;
         put(&mut film, portions, &mut stats)?;
     }
     let (image, mut layers) = film.into_image();
-    layers.retain(|layer| options.aovs.contains(layer.aov));
+    layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     Ok(Frame { image, layers, stats })
 }
 
@@ -210,7 +210,7 @@ pub(crate) fn check_waves(film: &Film, waves: &Range<u64>) -> Result<(), Error> 
         return Ok(());
     }
     let what = format!("there are no waves {} to {}: the picture has {count}", waves.start, waves.end);
-    Err(Error::InvalidOption { option: "waves", what })
+    Err(Error::InvalidWaves { what })
 }
 
 /// Puts the portions of the film's pass on it, and their sums to the others'.
@@ -233,7 +233,7 @@ fn in_order<'a>(film: &Film, portions: &'a [Portion]) -> Result<Vec<&'a Portion>
     let ends = [0].into_iter().chain(sorted.iter().map(|portion| portion.waves.end));
     if let Some((end, start)) = ends.zip(starts).find(|(end, start)| end != start) {
         let what = format!("waves {} to {} are missing or there twice", end.min(start), end.max(start));
-        return Err(Error::InvalidOption { option: "portions", what });
+        return Err(Error::InvalidPortions { what });
     }
     Ok(sorted)
 }
@@ -243,7 +243,7 @@ fn check_length(what: &str, length: usize, expected: usize) -> Result<(), Error>
         return Ok(());
     }
     let what = format!("{what} has {length} numbers, not {expected}: it is of another picture");
-    Err(Error::InvalidOption { option: "portions", what })
+    Err(Error::InvalidPortions { what })
 }
 
 /// Turns to the pixels on outlines.
@@ -253,18 +253,18 @@ fn turn_to(film: &mut Film, outlines: &Outlines) -> Result<(), Error> {
     if film.turn_to_outlines(u64::MAX) {
         return Ok(());
     }
-    Err(Error::InvalidOption { option: "outlines", what: "no pixel of this picture is on one".into() })
+    Err(Error::InvalidOutlines { what: "no pixel of this picture is on one".into() })
 }
 
 /// Refuses what portions cannot have.
 fn check(options: &RenderOptions) -> Result<(), Error> {
     options.validate()?;
     options.check_picture_memory()?;
-    if options.time_limit.is_some() {
+    if options.picture.time_limit.is_some() {
         let what = "portions have no common clock; choose --spp or --error";
         return Err(Error::InvalidOption { option: "time-limit", what: what.into() });
     }
-    if options.aovs.contains(Aov::Points) {
+    if options.picture.aovs.contains(Aov::Points) {
         let what = "points shows the whole mesh, of which portions fill parts; render it in one piece";
         return Err(Error::InvalidOption { option: "aov", what: what.into() });
     }
@@ -276,8 +276,8 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
     match options.method {
         Method::Path => Ok(None),
         Method::Standard => Ok(Some(Lighting::Exact)),
-        Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            mesh.check_serves(options)?;
+        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
+            mesh.check_compatible(options)?;
             Ok(Some(Lighting::Mesh(mesh)))
         }
     }

@@ -43,7 +43,7 @@ pub(crate) fn take_samples(
     mut trace: impl FnMut(&mut Film, &mut Watch<'_>, &Reporter<'_>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let passes = watch.is_limited() || (watch.viewer.is_some() && sums == SumOrder::Samples);
-    let first_pass = if passes { 1 } else { options.spp };
+    let first_pass = if passes { 1 } else { options.picture.spp };
 
     // Something to see, soon.
     if watch.viewer.is_some() {
@@ -56,11 +56,11 @@ pub(crate) fn take_samples(
         }
     }
 
-    let reporter = Reporter::new(watch.progress, Stage::Render, film.pixel_count() * u64::from(options.spp));
+    let reporter = Reporter::new(watch.progress, Stage::Render, film.pixel_count() * u64::from(options.picture.spp));
     let mut taken = 0;
-    while taken < options.spp {
+    while taken < options.picture.spp {
         let samples = if taken == 0 { first_pass } else { (taken / GROWTH).max(1) };
-        let end = taken + samples.min(options.spp - taken);
+        let end = taken + samples.min(options.picture.spp - taken);
         film.begin_pass(taken..end);
         trace(film, watch, &reporter)?;
         taken = film.whole_passes();

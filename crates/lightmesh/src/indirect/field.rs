@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 
 use crate::interaction::Vertex;
 use crate::mesh::{Axes, Known, Lattice, Marks, Neighbourhood, Outcome, Points, Reader, Sight, bits};
-use crate::{MeshStats, Method, RenderOptions, Scene};
+use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub(crate) enum Sides {
 
 impl Sides {
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        if options.method == Method::Paper { Self::One } else { Self::Six }
+        if options.method.is_paper() { Self::One } else { Self::Six }
     }
 
     /// Values per point and level.
@@ -70,20 +70,13 @@ impl IndirectField {
         Self {
             points: Points::new(lattices, neighbourhood),
             sides: Sides::of(options),
-            gather_rays: options.gather_rays,
-            depth: options.depth,
+            gather_rays: options.mesh.gather_rays,
+            depth: options.transport.depth,
             seed: options.seed,
-            levels: vec![Vec::new(); options.bounces as usize + 1],
+            levels: vec![Vec::new(); options.transport.bounces as usize + 1],
             hit_irradiance: (0.0, 0),
-            max_memory: options.max_memory,
+            max_memory: options.limits.max_memory,
         }
-    }
-
-    pub(crate) fn serves(&self, options: &RenderOptions, neighbourhood: Neighbourhood) -> bool {
-        self.sides == Sides::of(options)
-            && self.points.neighbourhood == neighbourhood
-            && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
-            && (options.bounces as usize) < self.levels.len()
     }
 
     /// Where its points are, to be refined.

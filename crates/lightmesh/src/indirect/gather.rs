@@ -194,7 +194,7 @@ impl Gather {
                 if surface.lights != Vec3::ZERO && scene.is_gathered(hit.target) {
                     self.emitted.push((number, beta * surface.lights));
                 }
-                let specular = if depth < options.depth { 1.0 } else { 0.0 };
+                let specular = if depth < options.transport.depth { 1.0 } else { 0.0 };
                 let ways = [surface.diffuse, surface.mirror * specular, surface.refraction * specular];
                 let shares = ways.map(Vec3::max_element);
                 let total: f32 = shares.iter().sum();

@@ -138,7 +138,7 @@ impl Block {
         self.next.clear();
         self.lamps.clear();
         self.first_hits.clear();
-        let (watched, layered) = (scene.has_lamps(), !options.aovs.is_empty());
+        let (watched, layered) = (scene.has_lamps(), !options.picture.aovs.is_empty());
         for (from, hit) in self.input.iter().zip(&self.hits) {
             let first = watched && from.depth == 0 && from.layers == 0;
             let Some(hit) = hit else {
@@ -220,18 +220,18 @@ impl Block {
 fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &Surface, options: &RenderOptions) {
     if surface.coverage < 1.0 && from.layers < MAX_LAYERS {
         let beta = from.beta * (1.0 - surface.coverage);
-        if beta.max_element() > options.cutoff {
+        if beta.max_element() > options.transport.cutoff {
             let ray = Ray { t_min: hit.t, ..from.ray };
             next.push(WaveRay { ray, beta, layers: from.layers + 1, ..*from });
         }
     }
-    if from.depth >= options.depth {
+    if from.depth >= options.transport.depth {
         return;
     }
     let cone = from.cone.after(hit.t);
     let mut follow = |weight: Vec3, direction: Vec3, cone: Cone| {
         let beta = from.beta * surface.coverage * weight;
-        if beta.max_element() > options.cutoff {
+        if beta.max_element() > options.transport.cutoff {
             let ray = surface.leave(direction);
             next.push(WaveRay { ray, cone, beta, pixel: from.pixel, depth: from.depth + 1, layers: 0 });
         }

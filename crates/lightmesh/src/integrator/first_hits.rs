@@ -58,12 +58,12 @@ impl FirstHits {
         (field, marks): (&DirectField, &Marks),
         vertices: &[Vertex],
     ) -> u64 {
-        if self.hits.is_empty() || !options.aovs.iter().any(Aov::needs_mesh) {
+        if self.hits.is_empty() || !options.picture.aovs.iter().any(Aov::needs_mesh) {
             return 0;
         }
         // Vertices that face no light have asked for nothing.
         let points: Vec<_> = vertices.iter().map(|v| (v.position, v.n)).collect();
-        let unshadowed = field.lights().read_irradiance(scene, options.falloff, &points);
+        let unshadowed = field.lights().read_irradiance(scene, options.transport.falloff, &points);
         let mut reader = field.reader(scene, Sight::Every);
         for hit in &mut self.hits {
             let Some(i) = hit.vertex.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {

@@ -27,7 +27,7 @@ pub(crate) fn measure_paths(
 ) -> Result<([Vec<Vec3>; 2], RenderStats), Error> {
     let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
-    let spp = options.spp;
+    let spp = options.picture.spp;
     let reporter = Reporter::new(progress, Stage::Measure, meters.len() as u64 * u64::from(spp));
     let [mut direct, mut indirect] = [(); 2].map(|()| Vec::with_capacity(meters.len()));
     let blocks_per_meter = spp.div_ceil(BLOCK);

@@ -205,7 +205,7 @@ impl<'a> PathTracer<'a> {
     pub(super) fn irradiance(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Radiance {
         let mut e = Radiance::default();
         e.add(Aov::Direct, self.direct(vertex, sampler));
-        if self.options.bounces > 0 || self.lamps.can_be_hit(self.scene) {
+        if self.options.transport.bounces > 0 || self.lamps.can_be_hit(self.scene) {
             // The mean of radiance over directions in proportion to the cosine is E / π.
             let mut mean = Radiance::default();
             self.branch(vertex, (Vec3::ONE, 0), sampler, &mut mean);
@@ -246,13 +246,13 @@ impl<'a> PathTracer<'a> {
                 continue;
             }
             layers = 0;
-            if !self.options.aovs.is_empty() && bounces + depth == 0 {
+            if !self.options.picture.aovs.is_empty() && bounces + depth == 0 {
                 self.first_hits.push(pixel, 1.0, &surface, None);
             }
 
             li.add(part(bounces, arrival), beta * self.emission(&ray, &hit, &surface, arrival));
             // The last bounce only looks for lamps.
-            if bounces > self.options.bounces {
+            if bounces > self.options.transport.bounces {
                 break;
             }
             if surface.diffuse != Vec3::ZERO {
@@ -262,9 +262,9 @@ impl<'a> PathTracer<'a> {
             }
 
             // Choose how to go on, in proportion to what each way may carry.
-            let ends = bounces == self.options.bounces && !self.lamps.can_be_hit(self.scene);
+            let ends = bounces == self.options.transport.bounces && !self.lamps.can_be_hit(self.scene);
             let diffuse = if ends { Vec3::ZERO } else { surface.diffuse };
-            let specular = if depth < self.options.depth { 1.0 } else { 0.0 };
+            let specular = if depth < self.options.transport.depth { 1.0 } else { 0.0 };
             let ways = [diffuse, surface.mirror * specular, surface.refraction * specular];
             let total: f32 = ways.iter().map(|w| w.max_element()).sum();
             if total <= 0.0 {
@@ -338,7 +338,7 @@ impl<'a> PathTracer<'a> {
     /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their
     /// share of the estimate.
     fn direct(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
-        let (scene, falloff) = (self.scene, self.options.falloff);
+        let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let mut sum = Vec3::ZERO;
         if scene.emitters().light_radius > 0.0 {
             sum += self.lamps.balls(scene, falloff, vertex, sampler);

@@ -73,7 +73,7 @@ pub(crate) fn render_waves(
     take_samples(film, options, SumOrder::Waves, watch, |film, watch, reporter| {
         frame.render_pass(film, watch, reporter, &mut stats)
     })?;
-    if lamps && film.whole_passes() == options.spp && film.turn_to_outlines(watch.samples_left()) {
+    if lamps && film.whole_passes() == options.picture.spp && film.turn_to_outlines(watch.samples_left()) {
         let reporter = Reporter::new(watch.progress, Stage::Outlines, film.sample_count());
         frame.render_pass(film, watch, &reporter, &mut stats)?;
     }
@@ -100,7 +100,7 @@ impl<'a> WaveFrame<'a> {
         }
         grade(self, film, stats);
         refine(self, film, watch, stats)?;
-        if let Some(bound) = self.options.error {
+        if let Some(bound) = self.options.method.error() {
             stats.estimated_error = Some(choose_plan(self, film, bound, watch, stats)?);
         }
         Ok(())
@@ -220,11 +220,11 @@ pub(crate) fn light(
             sum.fill_direct += seconds.fill;
             sum.shade += seconds.shade;
             // A mesh for more bounces may serve none: then there is nothing to read but emission that gather rays find.
-            let further = options.bounces > 0 || scene.has_gathered_emitters();
+            let further = options.transport.bounces > 0 || scene.has_gathered_emitters();
             if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, further) {
                 light_indirectly(field, marks, direct, blocks)?;
             }
-            if !options.aovs.is_empty() {
+            if !options.picture.aovs.is_empty() {
                 let mesh = (&mesh.direct, &marks.direct);
                 blocks.par_iter_mut().for_each(|block| {
                     block.sight_rays += block.first_hits.read_mesh(scene, options, mesh, &block.lit.vertices);
@@ -236,7 +236,7 @@ pub(crate) fn light(
             let started = Instant::now();
             blocks.par_iter_mut().for_each(|block| {
                 if !reporter.cancelled() {
-                    block.lit.shade_exactly(scene, scene.emitters().all(), options.falloff);
+                    block.lit.shade_exactly(scene, scene.emitters().all(), options.transport.falloff);
                 }
                 block.report(reporter);
             });
@@ -253,7 +253,7 @@ fn light_indirectly(
     mut direct: DirectLighting<'_, '_>,
     blocks: &mut [Block],
 ) -> Result<(), Error> {
-    let bounces = direct.options.bounces;
+    let bounces = direct.options.transport.bounces;
     blocks.iter_mut().for_each(Block::await_indirect);
     if direct.plan.indirect != Indirect::Mesh {
         blocks.iter_mut().for_each(Block::disown_all);

@@ -16,18 +16,16 @@ pub use snapshot::{Contents, Counts, DirectContents, DirectValues, IndirectConte
 use crate::direct::DirectField;
 use crate::indirect::IndirectField;
 use crate::mesh::{Lattice, Marks, Neighbourhood, Wanted, requests};
-use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
+use crate::{Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
-/// Lazily filled meshes of direct and indirect light. They belong to one scene and one choice of method, spacings, falloff,
-/// neighbourhood, weights, number of levels, light error, gather rays, depth and seed, and serve up to the bounces they were made for;
-/// cameras, picture sizes and samples may change from frame to frame.
+/// Lazily filled meshes of direct and indirect light. They belong to one scene and one [`MeshKey`], and serve up to the
+/// bounces that they were made for; cameras, picture sizes and samples may change from frame to frame.
 #[derive(Debug)]
 pub struct LightMesh {
-    spacings: [Spacing; 2],
-    /// What [`Spacing::Auto`] was for the indirect mesh.
-    auto_indirect: f32,
-    /// Levels beyond the first that were asked for, by the distance from the eye as well; of those there may be fewer.
-    finer_levels: u32,
+    /// All that its values depend on beside the scene.
+    key: MeshKey,
+    /// The bounces that it was made for.
+    bounces: u32,
     /// How often it has been made ready for a picture.
     preparation: u64,
     pub(crate) direct: DirectField,
@@ -46,69 +44,69 @@ impl LightMesh {
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would not
-    /// fit into `options.max_memory`.
+    /// fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
         let neighbourhood = Neighbourhood::of(options);
-        let indirect_auto = auto_indirect(options);
-        let lattices = |option, spacing, auto| {
+        let resolved = options.resolved();
+        let lattices = |option, spacing: Spacing| {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing serves it.
-            let longest = bounds.size().max_element().max(1e-20);
-            let spacing = match spacing {
-                Spacing::Auto => longest / auto,
-                Spacing::Fraction(k) => longest / k,
-                Spacing::Metres(h) => h,
-            };
+            let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
             let level = |l: u32, max_memory| {
                 let spacing = spacing / (1 << l) as f32;
                 Lattice::new(option, &bounds, spacing, neighbourhood.reach(), max_memory)
             };
-            let mut levels =
-                (0..=options.refinements()).map(|l| level(l, options.max_memory)).collect::<Result<Vec<_>, _>>()?;
+            let mut levels = (0..=resolved.refinements)
+                .map(|l| level(l, options.limits.max_memory))
+                .collect::<Result<Vec<_>, _>>()?;
             // Density about the eye does without levels whose tables alone would take too much.
-            let more = options.refinements() + 1..=options.finer_levels();
-            levels.extend(more.map_while(|l| level(l, options.max_memory / 8).ok()));
+            let more = resolved.refinements + 1..=resolved.finer_levels;
+            levels.extend(more.map_while(|l| level(l, options.limits.max_memory / 8).ok()));
             Ok::<_, Error>(levels)
         };
         let meshes = options.method.has_mesh();
-        let wants_indirect = meshes && (options.bounces > 0 || scene.has_gathered_emitters());
+        let wants_indirect = meshes && (options.transport.bounces > 0 || scene.has_gathered_emitters());
         let indirect = match wants_indirect {
-            true => Some(lattices("indirect-spacing", options.indirect_spacing, indirect_auto)?),
+            true => Some(lattices("indirect-spacing", resolved.indirect_spacing)?),
             false => None,
         };
-        let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
+        let direct = lattices("spacing", resolved.spacing)?;
         Ok(Self {
-            spacings: [options.spacing, options.indirect_spacing],
-            auto_indirect: indirect_auto,
-            finer_levels: options.finer_levels(),
+            key: MeshKey::of(options),
+            bounces: options.transport.bounces,
             preparation: 0,
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
         })
     }
 
-    /// Whether frames with these options can use this mesh.
-    pub fn serves(&self, options: &RenderOptions) -> bool {
-        let neighbourhood = Neighbourhood::of(options);
-        self.spacings == [options.spacing, options.indirect_spacing]
-            && (self.indirect.is_none() || self.auto_indirect == auto_indirect(options))
-            && self.finer_levels == options.finer_levels()
-            && self.direct.serves(options, neighbourhood)
-            && self
-                .indirect
-                .as_ref()
-                .map_or(options.bounces == 0, |field| field.serves(options, neighbourhood.of_indirect_light()))
+    /// All that its values depend on beside the scene.
+    pub fn key(&self) -> &MeshKey {
+        &self.key
     }
 
-    /// [`LightMesh::serves`], as an error.
-    pub(crate) fn check_serves(&self, options: &RenderOptions) -> Result<(), Error> {
-        if self.serves(options) {
+    /// Returns whether frames with these options can use this mesh.
+    pub fn is_compatible(&self, options: &RenderOptions) -> bool {
+        self.check_compatible(options).is_ok()
+    }
+
+    /// [`LightMesh::is_compatible`], as an error that names the first option that differs.
+    pub(crate) fn check_compatible(&self, options: &RenderOptions) -> Result<(), Error> {
+        let asked = MeshKey::of(options);
+        let direct = || self.key.direct_difference(&asked);
+        let indirect = || self.indirect.as_ref().and_then(|_| self.key.indirect_difference(&asked));
+        if let Some(difference) = direct().or_else(indirect) {
+            return Err(Error::IncompatibleMesh { what: difference.to_string() });
+        }
+        let (own, bounces) = (self.bounces, options.transport.bounces);
+        // A mesh without bounces may have indirect light, if it is only emission.
+        let enough = if self.indirect.is_some() { bounces <= own } else { bounces == 0 };
+        if enough {
             return Ok(());
         }
-        let what =
-            "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light error";
-        Err(Error::InvalidOption { option: "mesh", what: what.into() })
+        let own = if self.indirect.is_some() { own } else { 0 };
+        Err(Error::IncompatibleMesh { what: format!("was made with bounces {own}, and the options ask for {bounces}") })
     }
 
     /// Whether points lie all around a place: it is in the scene's box, but for rounding.
@@ -121,7 +119,7 @@ impl LightMesh {
         if options.method.has_mesh() {
             stats.direct = self.stats();
             stats.indirect = self.indirect_stats();
-            stats.left_out = self.indirect.as_ref().and_then(|field| field.left_out(options.bounces));
+            stats.left_out = self.indirect.as_ref().and_then(|field| field.left_out(options.transport.bounces));
         }
     }
 
@@ -172,9 +170,4 @@ pub(crate) fn take_all(mut marks: LightMarks) -> Wanted {
         direct: requests::take(&mut marks.direct),
         indirect: marks.indirect.as_mut().map_or_else(Vec::new, requests::take),
     }
-}
-
-/// Cells along the longest edge by default, of the indirect mesh.
-fn auto_indirect(options: &RenderOptions) -> f32 {
-    if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT }
 }

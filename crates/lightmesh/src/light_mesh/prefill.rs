@@ -69,7 +69,7 @@ impl LightMesh {
         if !options.method.has_mesh() {
             return Err(Error::InvalidOption { option: "method", what: "has no mesh to fill".into() });
         }
-        self.check_serves(options)?;
+        self.check_compatible(options)?;
         let started = std::time::Instant::now();
         let mut marks = self.marks();
         let mut stats = RenderStats::default();

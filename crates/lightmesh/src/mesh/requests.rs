@@ -98,7 +98,7 @@ pub(crate) fn take(marks: &mut Marks) -> Vec<BrickPoints> {
 /// Marks those of the points that are empty.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for bricks that the mesh does not have.
+/// [`Error::InvalidBricks`] for bricks that the mesh does not have.
 pub(crate) fn mark(points: &Points, bricks: &[BrickPoints], marks: &Marks) -> Result<(), Error> {
     each(points, bricks, |level, brick, local, slot| {
         if slot == Slot::Empty {
@@ -120,7 +120,7 @@ pub(crate) fn each(
         let known = (level < points.level_count()).then(|| points.level(level));
         let Some(known) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
-            return Err(Error::InvalidOption { option: "bricks", what });
+            return Err(Error::InvalidBricks { what });
         };
         let slots = known.bricks.brick(brick as usize);
         let set = (0..512).filter(|place| places[place / 64] >> (place % 64) & 1 != 0);

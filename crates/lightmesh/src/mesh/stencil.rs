@@ -44,15 +44,11 @@ impl Ball {
 
 impl Neighbourhood {
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        let weight = options.weight;
-        let mended = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
+        let weight = options.mesh.weight;
+        let mended = matches!(options.method, Method::Paper { scale: PaperScale::Visibility, .. });
         let lift = if mended { Ball::LIFT } else { 0.0 };
-        match options.interpolation {
-            Interpolation::Auto if options.method == Method::Paper => {
-                Self::Sphere(Ball { radius: Interpolation::DEFAULT_RADIUS, weight, lift })
-            }
-            Interpolation::Auto => Self::Trilinear,
-            Interpolation::Trilinear => Self::Trilinear,
+        match options.resolved().interpolation {
+            Interpolation::Auto | Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
             Interpolation::Sphere { radius } => Self::Sphere(Ball { radius, weight, lift }),
             Interpolation::Nearest => Self::Nearest,

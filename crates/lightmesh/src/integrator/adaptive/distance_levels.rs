@@ -19,7 +19,7 @@ const PIXELS: u64 = 32768;
 
 /// Refines the meshes of the frame about the eye of the picture on the film, as far as memory allows.
 pub(crate) fn grade(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderStats) {
-    let Some(metres) = frame.options.graded else { return };
+    let Some(metres) = frame.options.mesh.lod_distance else { return };
     let (scene, options) = (frame.scene, frame.options);
     let Lighting::Mesh(mesh) = &mut frame.lighting else { return };
     let (rays, width, _) = film.frame();
@@ -33,7 +33,7 @@ pub(crate) fn grade(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderSt
         .collect();
     stats.rays.primary += pixels.len() as u64;
     // Of the limit, not of what is left of it: a frame must not depend on what came before.
-    let budget = (MEMORY_SHARE * options.max_memory as f64) as u64;
+    let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
     let fit = |bytes_per_point: u64| budget / (POINTS_PER_CELL * bytes_per_point);
     let most = fit(mesh.direct.bytes_per_point());
     mesh.direct.points_mut().grade(rays.eye(), metres, &seen, most);

@@ -169,7 +169,7 @@ pub(crate) fn light(
 ) -> Result<(Vec<Vec3>, f64), Error> {
     let rays_of = |stats: &RenderStats| stats.rays.shadow - stats.fill_shadow_rays;
     let before = (rays_of(stats), stats.rays.primary);
-    let spp = frame.options.spp.min(MOST_SAMPLES);
+    let spp = frame.options.picture.spp.min(MOST_SAMPLES);
     let film = light_pixels(frame, film, (pixels, spp), plan, watch, stats)?;
     let (rays, samples) = (rays_of(stats) - before.0, stats.rays.primary - before.1);
     Ok((film.sums_of(pixels), rays as f64 / samples.max(1) as f64))

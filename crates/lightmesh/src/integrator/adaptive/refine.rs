@@ -41,7 +41,7 @@ pub(crate) fn refine(
     watch: &mut Watch<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
-    let rounds = frame.options.refinements();
+    let rounds = frame.options.resolved().refinements;
     let is_direct = frame.is_direct();
     // Exact light has no mesh to refine.
     let refines_direct = frame.plan.seen != Shading::Exact;
@@ -63,7 +63,7 @@ pub(crate) fn refine(
     let second = if is_direct { first.clone() } else { look(frame, exact(2), stats)? };
     let radiance = |hit: &LitHit| f64::from((hit.vertex.weight * (hit.direct + hit.indirect)).element_sum());
     let mean = first.iter().map(radiance).sum::<f64>() / (3 * pixels.len()) as f64;
-    let bound = SHARE * frame.options.error.map_or(DEFAULT_BOUND, f64::from) * mean;
+    let bound = SHARE * frame.options.method.error().map_or(DEFAULT_BOUND, f64::from) * mean;
 
     for _ in 0..rounds {
         let hits = look(frame, plan.reseeded(), stats)?;
@@ -77,7 +77,7 @@ pub(crate) fn refine(
             };
             hits.iter().zip(truths).map(error).collect::<Vec<_>>()
         };
-        let budget = (MEMORY_SHARE * frame.options.max_memory as f64) as u64;
+        let budget = (MEMORY_SHARE * frame.options.limits.max_memory as f64) as u64;
         let most = bound * bound * pixels.len() as f64;
         let mut refined = 0;
         if refines_direct {

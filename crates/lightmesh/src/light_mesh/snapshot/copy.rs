@@ -32,7 +32,7 @@ impl LightMesh {
     /// A copy of what it knows of some points; those that are empty are left out.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for bricks that the mesh does not have.
+    /// [`Error::InvalidBricks`] for bricks that the mesh does not have.
     pub fn contents_of(&self, wanted: &Wanted) -> Result<Contents, Error> {
         let (points, indices) = self.direct.points.contents_of(&wanted.direct)?;
         let direct = self.direct.contents(points, indices.into_iter());

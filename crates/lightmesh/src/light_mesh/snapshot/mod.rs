@@ -28,10 +28,10 @@ pub struct PointContents {
 /// What is known of direct light. The variant follows from the method.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DirectValues {
-    /// [`Method::Mesh`](crate::options::Method::Mesh): shape (N, 6, 2, 3), lux. By point, for the planes that face +x, −x, +y, −y, +z, −z, the
+    /// [`Method::MESH`](crate::options::Method::MESH): shape (N, 6, 2, 3), lux. By point, for the planes that face +x, −x, +y, −y, +z, −z, the
     /// irradiance that arrives and the one that would if nothing were in the way, RGB. (With another falloff than r², in its units.)
     SixAxis(Vec<f32>),
-    /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). DirectLight of formula (1), RGB, and what it is divided by.
+    /// [`Method::PAPER`](crate::options::Method::PAPER): shape (N, 2, 3). DirectLight of formula (1), RGB, and what it is divided by.
     Scalar(Vec<f32>),
     /// What is known of each single light: a bit per light in two rows, lowest first. Both set: all of its light arrives; none: nothing
     /// does; only the second: some does, or the point cannot tell.
@@ -67,7 +67,7 @@ pub struct IndirectContents {
     pub points: PointContents,
     /// The most reflections: there are values for 0 to so many.
     pub bounces: u32,
-    /// S: 6, or 1 with [`Method::Paper`](crate::options::Method::Paper).
+    /// S: 6, or 1 with [`Method::PAPER`](crate::options::Method::PAPER).
     pub sides: u32,
     /// Shape (bounces + 1, N, S, 3). By number of reflections and point, for the planes that face +x, −x, +y, −y, +z, −z, the irradiance that
     /// arrives after so many diffuse reflections or fewer, RGB, lux; light that comes straight from lamps is not in it. Where S is 1,
