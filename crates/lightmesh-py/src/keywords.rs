@@ -107,7 +107,8 @@ pub(crate) fn chosen_without(
         let about = about.ok_or_else(|| unknown(function, missing, &name))?;
         if about.python_name() != name {
             let new = about.python_name();
-            let message = format!("{function}(): '{name}' is now called '{new}'; the old name goes with the next version");
+            let message =
+                format!("{function}(): '{name}' is now called '{new}'; the old name goes with the next version");
             let message = std::ffi::CString::new(message).unwrap_or_default();
             PyErr::warn(value.py(), &value.py().get_type::<PyDeprecationWarning>(), &message, 1)?;
         }
