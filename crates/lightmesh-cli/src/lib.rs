@@ -6,10 +6,12 @@
 mod args;
 mod camera_choice;
 mod compare;
+mod completions;
 mod environment;
 mod exit;
 mod info;
 mod interrupt;
+mod man;
 mod outputs;
 mod preview;
 mod progress;
@@ -51,6 +53,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     };
     match result {
         Ok(()) => 0,

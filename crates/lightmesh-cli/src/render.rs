@@ -142,7 +142,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         if let Some(error) = options.method.error() {
             terminal::note(&estimate(error, frame.stats.estimated_error));
         }
-        if let Some(note) = left_out(options.transport.bounces, frame.stats.left_out) {
+        if let Some(note) = left_out(options.transport.bounces, frame.stats.truncated_light) {
             terminal::note(&note);
         }
         terminal::note(&format!(

@@ -47,7 +47,7 @@ impl Stats {
             rays: frame.rays.into(),
             mesh: frame.into(),
             fallbacks: frame.into(),
-            energy_left_out: frame.left_out,
+            energy_left_out: frame.truncated_light,
             estimated_error: frame.estimated_error,
             peak_memory_bytes: peak_memory_bytes(),
         }
@@ -89,7 +89,7 @@ impl WorkStats {
             rays: work.rays.into(),
             mesh: work.into(),
             fallbacks: work.into(),
-            energy_left_out: work.left_out,
+            energy_left_out: work.truncated_light,
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Display;
 
-use crate::error::{Error, one_line};
+use crate::Error;
+use crate::error::one_line;
 
 /// Counts bytes before they are allocated.
 ///
@@ -19,12 +20,12 @@ impl Budget {
         Self { limit, left: limit }
     }
 
-    /// Returns the bytes that are not yet spent.
+    /// Bytes not yet spent.
     pub(crate) fn left(&self) -> u64 {
         self.left
     }
 
-    /// Spends `count` items of `item_bytes` each, or fails if they do not fit.
+    /// Spends `count` items of `item_bytes` each, or says that they do not fit.
     pub(crate) fn take(&mut self, file: &str, place: impl Display, count: u64, item_bytes: u64) -> Result<(), Error> {
         let needed = count.saturating_mul(item_bytes);
         match self.left.checked_sub(needed) {

@@ -1,10 +1,8 @@
 //! Environment maps: known texels come back; damaged and hostile files are refused.
 
-mod common;
-
 use std::io::Cursor;
 
-use common::assert_says;
+use crate::common::assert_says;
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage};
 use lightmesh::Texels;
 use lightmesh_io::{EnvironmentMap, Error, LoadOptions, read_environment};
@@ -171,9 +169,9 @@ fn absurd_headers_are_refused_before_memory_is_taken() {
 /// Radiance pictures are environments, not textures.
 #[test]
 fn a_radiance_picture_is_no_texture() {
-    let mut gltf = common::Gltf::triangle();
+    let mut gltf = crate::common::Gltf::triangle();
     let texture = gltf.texture(&hdr("", 1, 1, &[128, 128, 128, 129]));
     gltf.material(serde_json::json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}}));
     let loaded = gltf.load_with(&LoadOptions::default()).unwrap();
-    common::assert_warns(&loaded, &["cannot be decoded", "PNG, JPEG and WebP"]);
+    crate::common::assert_warns(&loaded, &["cannot be decoded", "PNG, JPEG and WebP"]);
 }

@@ -1,11 +1,9 @@
 //! EXT_lights_image_based: what shines from where.
 
-mod common;
-
 use std::f32::consts::PI;
 use std::io::Cursor;
 
-use common::{Gltf, assert_says, assert_warns};
+use crate::common::{Gltf, assert_says, assert_warns};
 use glam::Vec3;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb, Rgba};
 use lightmesh::{Environment, Texels};

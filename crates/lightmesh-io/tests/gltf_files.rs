@@ -1,12 +1,10 @@
 //! Files around a glTF: URIs, folders, containers, versions, extensions.
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::common::{Gltf, assert_says, assert_warns};
 use base64::Engine;
-use common::{Gltf, assert_says, assert_warns};
 use lightmesh_io::{Error, LoadOptions, load, load_gltf_bytes};
 use serde_json::json;
 
@@ -270,7 +268,7 @@ fn material_extensions_are_told_once_and_only_where_they_show() {
             assert_eq!(gltf.load().unwrap().warnings, [""; 0], "{name}");
         }
         for _ in 0..3 {
-            let position = gltf.floats("VEC3", &common::TRIANGLE);
+            let position = gltf.floats("VEC3", &crate::common::TRIANGLE);
             let material = gltf.push("materials", json!({"extensions": {name: shows}}));
             let mesh = gltf.mesh(json!({"attributes": {"POSITION": position}, "material": material}));
             gltf.node(json!({"mesh": mesh}));

@@ -1,8 +1,6 @@
 //! Accessors and primitives of glTF files built in memory.
 
-mod common;
-
-use common::{F32, Gltf, I8, I16, TRIANGLE, U8, U16, U32, assert_says, assert_warns};
+use crate::common::{F32, Gltf, I8, I16, TRIANGLE, U8, U16, U32, assert_says, assert_warns};
 use glam::{Vec2, Vec3, Vec4};
 use lightmesh_io::LoadOptions;
 use serde_json::json;

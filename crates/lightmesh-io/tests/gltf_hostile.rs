@@ -3,13 +3,11 @@
 //! A program of its own, because it counts every allocation. Its one test runs its properties one after the other, so
 //! that the count is theirs alone.
 
-mod common;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Cursor;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use common::{Gltf, U8};
+use crate::common::{Gltf, U8};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lightmesh_io::{LoadOptions, load_gltf_bytes};
 use proptest::prelude::*;

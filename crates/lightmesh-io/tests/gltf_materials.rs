@@ -1,10 +1,8 @@
 //! Materials, textures and images of glTF files built in memory.
 
-mod common;
-
 use std::io::Cursor;
 
-use common::{Gltf, assert_says, assert_warns, crc32};
+use crate::common::{Gltf, assert_says, assert_warns, crc32};
 use glam::{Vec2, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use lightmesh::{AlphaMode, Filter, Texels, UvTransform, Wrap};

@@ -1,10 +1,8 @@
 //! Nodes, scenes, instances, lights and cameras of glTF files built in memory.
 
-mod common;
-
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4};
 
-use common::{Gltf, assert_says, assert_warns};
+use crate::common::{Gltf, assert_says, assert_warns};
 use glam::Vec3;
 use lightmesh::{Light, Projection};
 use lightmesh_io::{LoadOptions, Units};

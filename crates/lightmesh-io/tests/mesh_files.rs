@@ -5,8 +5,8 @@ use std::path::Path;
 use glam::{Affine3A, Vec3};
 use lightmesh::geometry::{Sphere, TriangleMesh};
 use lightmesh::{
-    Camera, Contents, DirectValues, Fingerprint, Image, Instance, Light, LightMesh, Material, Method, RenderOptions,
-    Scene, SceneData, Spacing, render,
+    Camera, DirectValues, Fingerprint, Image, Instance, Light, LightMesh, Material, Method, RenderOptions, Scene,
+    SceneData, Snapshot, Spacing, render,
 };
 use lightmesh_io::{Error, MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
 
@@ -214,7 +214,7 @@ fn files_of_other_scenes_and_settings_are_refused() {
     assert!(picture(&own, [2.0, 2.0, 6.0], &fewer, &mut mesh) == picture(&own, [2.0, 2.0, 6.0], &fewer, &mut fresh));
 
     // Contents of another mesh under this one's name.
-    let mixed = MeshFile { contents: Contents { indirect: None, ..file.contents.clone() }, ..file.clone() };
+    let mixed = MeshFile { contents: Snapshot { indirect: None, ..file.contents.clone() }, ..file.clone() };
     let options_without = options.clone().with(|o| o.transport.bounces = 0);
     assert!(mixed.into_mesh(path, &own, &options_without).is_ok());
     let mut bad = file.clone();

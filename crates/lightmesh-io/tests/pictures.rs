@@ -1,10 +1,8 @@
 //! Pictures that are written come back the same; hostile ones are refused.
 
-mod common;
-
 use std::{io::Cursor, path::Path};
 
-use common::{assert_says, crc32};
+use crate::common::{assert_says, crc32};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding as ExrEncoding, FlatSamples, Layer as ExrLayer, LayerAttributes, WritableImage,
 };

@@ -1,6 +1,6 @@
 //! Points by brick as arrays, and other plain numbers that processes hand each other.
 
-use lightmesh::filling::{BrickPoints, Wanted};
+use lightmesh::filling::{BrickMask, PointRequests};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
@@ -14,40 +14,40 @@ pub(crate) type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArra
 const COLUMNS: usize = 9;
 
 /// Converts bricks to an array of uint64, (n, 9): level · 2³² + index, then 512 bits, lowest first.
-pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickPoints]) -> PyResult<Bound<'py, PyArray2<u64>>> {
-    let key = |brick: &BrickPoints| u64::from(brick.level) << 32 | u64::from(brick.brick);
-    let numbers: Vec<u64> = bricks.iter().flat_map(|brick| [key(brick)].into_iter().chain(brick.places)).collect();
+pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickMask]) -> PyResult<Bound<'py, PyArray2<u64>>> {
+    let key = |brick: &BrickMask| u64::from(brick.level) << 32 | u64::from(brick.brick);
+    let numbers: Vec<u64> = bricks.iter().flat_map(|brick| [key(brick)].into_iter().chain(brick.mask)).collect();
     let array = Array2::from_shape_vec((bricks.len(), COLUMNS), numbers);
     array.map(|array| array.into_pyarray(py)).map_err(|error| crate::error::internal(&error.to_string()))
 }
 
 /// Converts the array that [`to_array`] made back.
-pub(crate) fn from_array(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<BrickPoints>> {
+pub(crate) fn from_array(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<BrickMask>> {
     let numbers = arrays::words(value, name)?;
     if !matches!(numbers.shape[..], [_, COLUMNS]) {
         return Err(arrays::misshapen(value.py(), name, "(n, 9)", &numbers.shape));
     }
-    let brick = |&[key, a, b, c, d, e, f, g, h]: &[u64; COLUMNS]| BrickPoints {
+    let brick = |&[key, a, b, c, d, e, f, g, h]: &[u64; COLUMNS]| BrickMask {
         level: (key >> 32) as u32,
         brick: key as u32,
-        places: [a, b, c, d, e, f, g, h],
+        mask: [a, b, c, d, e, f, g, h],
     };
     Ok(numbers.values.as_chunks().0.iter().map(brick).collect())
 }
 
 /// Converts an array of bricks of one mesh, which is taken for the direct one.
-fn wanted(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Wanted> {
-    Ok(Wanted { direct: from_array(value, name)?, indirect: Vec::new() })
+fn wanted(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointRequests> {
+    Ok(PointRequests { direct: from_array(value, name)?, indirect: Vec::new() })
 }
 
 /// Joins arrays of bricks. Returns all of their points: uint64, (n, 9), each brick once, in order.
 #[pyfunction]
 pub(crate) fn join_bricks<'py>(py: Python<'py>, bricks: Vec<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyArray2<u64>>> {
-    let mut all = Wanted::default();
+    let mut all = PointRequests::default();
     for some in &bricks {
         all.direct.extend(wanted(some, "bricks")?.direct);
     }
-    all.join(&Wanted::default());
+    all.merge(&PointRequests::default());
     to_array(py, &all.direct)
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn subtract_bricks<'py>(
     others: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<u64>>> {
     let (mut rest, mut others) = (wanted(bricks, "bricks")?, wanted(others, "others")?);
-    others.join(&Wanted::default());
+    others.merge(&PointRequests::default());
     rest.remove(&others);
     to_array(bricks.py(), &rest.direct)
 }

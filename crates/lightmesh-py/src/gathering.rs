@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::filling::{Gathering, LevelValues};
+use lightmesh::filling::{BounceValues, GatherBatch};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -19,11 +19,11 @@ type LevelArrays<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray3<f32>>);
 /// The light that arrives at points of the indirect mesh after some reflections. Groups exchange levels; a process
 /// makes each level once for all of its groups.
 ///
-/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as Gathering.bounce gives
+/// points: uint32, (n, 4), values: float32, (n, 6, 3), or (n, 1, 3) with method "paper": as GatherBatch.bounce gives
 /// them, of several groups in any order.
 #[pyclass(name = "Level", module = "lightmesh", frozen)]
 pub(crate) struct PyLevel {
-    values: Arc<LevelValues>,
+    values: Arc<BounceValues>,
 }
 
 #[pymethods]
@@ -36,8 +36,8 @@ impl PyLevel {
         }
         let numbers: Vec<u32> = addresses.values.iter().map(|&word| u32::try_from(word).unwrap_or(u32::MAX)).collect();
         let values = arrays::floats(values, "values")?.values;
-        let level = LevelValues { points: numbers.as_chunks().0.to_vec(), values };
-        Ok(Self { values: Arc::new(LevelValues::join([&level])) })
+        let level = BounceValues { points: numbers.as_chunks().0.to_vec(), values };
+        Ok(Self { values: Arc::new(BounceValues::merge([&level])) })
     }
 
     /// The number of points.
@@ -53,7 +53,7 @@ impl PyLevel {
 pub(crate) struct PyGathering {
     job: Arc<Job>,
     threads: Option<usize>,
-    gathering: Arc<Mutex<Gathering>>,
+    gathering: Arc<Mutex<GatherBatch>>,
 }
 
 #[pymethods]
@@ -61,8 +61,8 @@ impl PyGathering {
     /// Returns the points of the direct and of the indirect mesh that the rays read: two arrays of bricks.
     #[pyo3(signature = ())]
     fn wanted<'py>(&self, py: Python<'py>) -> PyResult<BrickArrays<'py>> {
-        let wanted =
-            self.run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.wanted(&job.built.scene, mesh))))?;
+        let wanted = self
+            .run(py, None, |job, gathering, _| job.with_mesh(|mesh| Ok(gathering.requests(&job.built.scene, mesh))))?;
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
     }
 
@@ -115,7 +115,7 @@ impl PyGathering {
 }
 
 impl PyGathering {
-    pub(crate) fn new(job: Arc<Job>, threads: Option<usize>, gathering: Gathering) -> Self {
+    pub(crate) fn new(job: Arc<Job>, threads: Option<usize>, gathering: GatherBatch) -> Self {
         Self { job, threads, gathering: Arc::new(Mutex::new(gathering)) }
     }
 
@@ -123,7 +123,7 @@ impl PyGathering {
         &self,
         py: Python<'_>,
         callback: Option<&Bound<'_, PyAny>>,
-        work: impl FnOnce(&Job, &mut Gathering, &Watch) -> Result<T, JobError> + Send + 'static,
+        work: impl FnOnce(&Job, &mut GatherBatch, &Watch) -> Result<T, JobError> + Send + 'static,
     ) -> PyResult<T> {
         let (job, gathering) = (Arc::clone(&self.job), Arc::clone(&self.gathering));
         let work = move |watch: &Watch| {

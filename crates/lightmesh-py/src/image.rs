@@ -7,8 +7,8 @@ use lightmesh::{Camera, Frame, Image, Layer, RenderOptions};
 use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, parse_exposure, settings_json};
 use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
 use lightmesh_io::{Encoding, Picture, Units};
-use pyo3::exceptions::PyValueError;
 use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 

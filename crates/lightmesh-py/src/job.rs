@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use lightmesh::portions::{self, Prepared};
-use lightmesh::{Camera, Contents, Fingerprint, LightMesh, RenderOptions};
+use lightmesh::{Camera, Fingerprint, LightMesh, RenderOptions, Snapshot};
 use lightmesh_cli::{EmitterArgs, SOFTWARE, settings_json};
 use lightmesh_io::{MeshFile, Units};
 use pyo3::prelude::*;
@@ -77,7 +77,7 @@ impl Job {
     }
 
     /// Writes contents as the bytes of a mesh file, for other processes.
-    pub(crate) fn to_bytes(&self, contents: Contents) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self, contents: Snapshot) -> Vec<u8> {
         lightmesh_io::mesh_to_bytes(&MeshFile {
             scene: self.scene,
             settings_fingerprint: Fingerprint::of_settings(&self.options),

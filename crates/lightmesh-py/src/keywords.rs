@@ -149,7 +149,10 @@ fn read(about: &About, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
     match about.kind {
         Kind::Size => {
-            let [width, height]: [i64; 2] = value.extract().map_err(|_| unfit())?;
+            let sides: Option<Vec<i64>> = value.try_iter().ok().and_then(|sides| {
+                sides.map(|side| side.and_then(|side| side.extract::<i64>())).collect::<PyResult<_>>().ok()
+            });
+            let Some([width, height]) = sides.as_deref() else { return Err(unfit()) };
             Ok(Value::Text(format!("{width}x{height}")))
         }
         Kind::Words(_) => {

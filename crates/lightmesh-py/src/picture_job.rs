@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::filling::{self, Wanted};
+use lightmesh::filling::{self, PointRequests};
 use lightmesh::portions::{self, Portion};
 use lightmesh::{Fingerprint, LightMesh};
 use lightmesh_cli::{SOFTWARE, Stats};
@@ -170,21 +170,21 @@ impl PyPictureJob {
         let bytes = self.run(bricks.py(), progress, move |job, watch| {
             let contents = job.with_mesh(|mesh| {
                 filling::fill_direct(&job.built.scene, &job.options, mesh, &direct, watch)?;
-                mesh.contents_of(&Wanted { direct, indirect: Vec::new() })
+                mesh.snapshot_of(&PointRequests { direct, indirect: Vec::new() })
             })?;
             Ok(job.to_bytes(contents))
         })?;
         Ok(bytes.into_pyarray(bricks.py()))
     }
 
-    /// Adds points that fill_direct or Gathering.contents returned. Points that the mesh has already stay as they are.
+    /// Adds points that fill_direct or GatherBatch.contents returned. Points that the mesh has already stay as they are.
     fn absorb(&self, contents: &Bound<'_, PyAny>) -> PyResult<()> {
         let bytes = arrays::bytes(contents, "contents")?;
         self.run(contents.py(), None, move |job, _| {
             let file = lightmesh_io::mesh_from_bytes("contents", &bytes, job.options.limits.max_memory);
             let file = file.map_err(JobError::File)?;
             file.check("contents".as_ref(), job.scene, &job.options).map_err(JobError::File)?;
-            job.with_mesh(|mesh| mesh.absorb(&file.contents))
+            job.with_mesh(|mesh| mesh.merge(&file.contents))
         })
     }
 
@@ -193,7 +193,7 @@ impl PyPictureJob {
     fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
         let points = bricks::from_array(bricks, "bricks")?;
         let gathering = self.run(bricks.py(), progress, move |job, watch| {
-            job.with_mesh(|mesh| filling::Gathering::new(&job.built.scene, &job.options, mesh, &points, watch))
+            job.with_mesh(|mesh| filling::GatherBatch::new(&job.built.scene, &job.options, mesh, &points, watch))
         })?;
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }

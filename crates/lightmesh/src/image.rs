@@ -116,7 +116,7 @@ pub struct RenderStats {
     /// The error that the picture is estimated to have, RMS relative to its mean, where one was asked for; 0: its light is exact.
     pub estimated_error: Option<f64>,
     /// What bounces after the last one would add, estimated, as a part of all light; `None` where nothing is known of it.
-    pub left_out: Option<f64>,
+    pub truncated_light: Option<f64>,
 }
 
 impl RenderStats {

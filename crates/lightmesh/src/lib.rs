@@ -5,7 +5,7 @@
 //! bleeding in ray tracing", GraphiCon 2001; *the paper* in all that follows.
 //!
 //! A [`SceneData`] says what there is, a [`Scene`] is checked and ready for rays, a [`LightMesh`] keeps the light from frame
-//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. [`Contents`] are what a mesh knows
+//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. [`Snapshot`] are what a mesh knows
 //! as plain arrays. Reading and writing files is the business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
 //!
 //! ```
@@ -71,7 +71,7 @@ pub use error::Error;
 pub use fingerprint::Fingerprint;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use interaction::Meter;
-pub use light_mesh::{Contents, Counts, DirectContents, DirectValues, IndirectContents, LightMesh, PointContents};
+pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, LightMesh, PointSnapshot, Snapshot};
 pub use mesh::LatticeShape;
 pub use options::{
     Aov, Aovs, Falloff, Interpolation, KeyDifference, Layer, Limits, MeshKey, MeshOptions, Method, MissingCorners,

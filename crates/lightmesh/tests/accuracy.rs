@@ -1,8 +1,6 @@
 //! Exact where it matters: hybrid and unbiased light, error bounds, refined meshes.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{Camera, Error, Image, Interpolation, LightMesh, Method, RenderOptions, Scene, Spacing, render};

@@ -1,8 +1,6 @@
 //! Layers beside the light: what they hold, and that asking for them changes nothing else.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{

@@ -1,15 +1,13 @@
 //! Emissive surfaces as light: closed forms for a rectangle and a sphere, sides, textures, and light that is counted once.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{
-    Camera, Filter, ImageData, Material, Method, RenderOptions, Scene, SceneData, Spacing, Texels, Texture, TextureRef,
-    UvTransform, Wrap,
+    Camera, Filter, ImageData, Material, Method, Scene, SceneData, Spacing, Texels, Texture, TextureRef, UvTransform,
+    Wrap,
 };
 
 const METHODS: [Method; 3] = [Method::Standard, Method::MESH, Method::Path];

@@ -1,14 +1,12 @@
 //! Contents of a mesh: what they say, and that a mesh which takes them in renders bit for bit as one that evaluated all by itself.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::{
-    Camera, Contents, Counts, DirectValues, Error, Frame, Image, LightMesh, Material, MeshStats, Method, RenderOptions,
-    Scene, SceneData, Spacing, render,
+    Camera, Cursor, DirectValues, Error, Frame, Image, LightMesh, Material, MeshStats, Method, RenderOptions, Scene,
+    SceneData, Snapshot, Spacing, render,
 };
 
 const METHODS: [Method; 4] = [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED];
@@ -45,16 +43,16 @@ fn shot(scene: &Scene, camera: &Camera, options: &RenderOptions, mesh: &mut Ligh
 
 /// One camera fills a mesh; a fresh one takes its contents in and shows the other camera's picture: the same bits as by a mesh of its own, and
 /// nothing is evaluated that came with the contents.
-fn check_shared(scene: &Scene, options: &RenderOptions) -> (Image, Contents) {
+fn check_shared(scene: &Scene, options: &RenderOptions) -> (Image, Snapshot) {
     let mut first = LightMesh::new(scene, options).expect("mesh");
     shot(scene, &room_camera(), options, &mut first);
-    let contents = first.contents_since(&Counts::default());
+    let contents = first.snapshot_since(&Cursor::default());
     let what =
         || format!("{:?}, {} bounces, refined {:?}", options.method, options.transport.bounces, options.mesh.refine);
 
     let mut second = LightMesh::new(scene, options).expect("mesh");
-    second.absorb(&contents).expect("absorbed");
-    assert_eq!(second.contents_since(&Counts::default()), contents, "{}", what());
+    second.merge(&contents).expect("absorbed");
+    assert_eq!(second.snapshot_since(&Cursor::default()), contents, "{}", what());
     // Cuts through a tree of lights are made anew.
     let counts = |stats: MeshStats| MeshStats { bytes: 0, ..stats };
     assert_eq!(counts(second.stats()), counts(first.stats()));
@@ -118,7 +116,7 @@ fn finer_levels_travel_too() {
         );
         let levels = contents.direct.points.lattices.len();
         assert_eq!(levels, 1 + refine.unwrap_or(2) as usize);
-        let finest = |points: &lightmesh::PointContents| points.addresses.iter().map(|a| a[0]).max();
+        let finest = |points: &lightmesh::PointSnapshot| points.addresses.iter().map(|a| a[0]).max();
         let indirect = contents.indirect.map(|indirect| finest(&indirect.points));
         assert!(finest(&contents.direct.points) > Some(0) || indirect.flatten() > Some(0), "{method:?}");
     }
@@ -134,27 +132,27 @@ fn pieces_make_a_whole() {
         let mut pieces = Vec::new();
         let views = [room_camera(), other_camera(), Camera::look_at(Vec3::new(1.7, 2.5, -1.7), Vec3::ZERO, 1.2)];
         for camera in &views {
-            let before = mesh.counts();
+            let before = mesh.cursor();
             shot(&scene, camera, &options, &mut mesh);
-            pieces.push(mesh.contents_since(&before));
+            pieces.push(mesh.snapshot_since(&before));
         }
-        assert_eq!(mesh.contents_since(&mesh.counts()).point_count(), 0);
-        let all = mesh.contents_since(&Counts::default());
-        assert_eq!(pieces.iter().map(Contents::point_count).sum::<u64>(), all.point_count());
+        assert_eq!(mesh.snapshot_since(&mesh.cursor()).point_count(), 0);
+        let all = mesh.snapshot_since(&Cursor::default());
+        assert_eq!(pieces.iter().map(Snapshot::point_count).sum::<u64>(), all.point_count());
 
         let mut other = LightMesh::new(&scene, &options).expect("mesh");
         shot(&scene, &views[1], &options, &mut other);
         for i in [2, 0, 1, 0, 2] {
-            other.absorb(&pieces[i]).expect("absorbed");
+            other.merge(&pieces[i]).expect("absorbed");
         }
-        other.absorb(&all).expect("absorbed");
+        other.merge(&all).expect("absorbed");
         assert_eq!(other.stats().points_used, mesh.stats().points_used);
-        let sorted = |contents: Contents| {
+        let sorted = |contents: Snapshot| {
             let mut addresses = contents.direct.points.addresses;
             addresses.sort_unstable();
             addresses
         };
-        assert_eq!(sorted(other.contents_since(&Counts::default())), sorted(all));
+        assert_eq!(sorted(other.snapshot_since(&Cursor::default())), sorted(all));
         for camera in &views {
             let frame = shot(&scene, camera, &options, &mut other);
             assert_eq!(frame.image, shoot(&scene, camera, &options).image);
@@ -174,7 +172,7 @@ fn numbers_are_what_the_documentation_says() {
     let options = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Metres(1.0));
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     shot(&scene, &Camera::look_at(Vec3::new(0.0, 5.0, 0.1), Vec3::ZERO, 1.0), &options, &mut mesh);
-    let contents = mesh.contents_since(&Counts::default()).direct;
+    let contents = mesh.snapshot_since(&Cursor::default()).direct;
     let DirectValues::SixAxis(values) = &contents.values else { panic!("{:?}", contents.values) };
     let positions = contents.points.positions();
     assert!(positions.len() > 50 && values.len() == positions.len() * 36);
@@ -198,8 +196,8 @@ fn numbers_are_what_the_documentation_says() {
     let options = with_bounces(Method::MESH, 4);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     shot(&scene, &room_camera(), &options, &mut mesh);
-    let contents = mesh.contents_since(&Counts::default()).indirect.expect("indirect");
-    assert_eq!((contents.bounces, contents.sides), (4, 6));
+    let contents = mesh.snapshot_since(&Cursor::default()).indirect.expect("indirect");
+    assert_eq!((contents.bounces, contents.faces), (4, 6));
     for n in 0..=4 {
         let values = contents.after(n);
         assert_eq!(values.len(), contents.points.addresses.len() * 18);
@@ -225,9 +223,9 @@ fn contents_that_do_not_fit_change_nothing() {
     let contents = |scene: &Scene, options: &RenderOptions| {
         let mut mesh = LightMesh::new(scene, options).expect("mesh");
         shot(scene, &room_camera(), options, &mut mesh);
-        mesh.contents_since(&Counts::default())
+        mesh.snapshot_since(&Cursor::default())
     };
-    let check = |scene: &Scene, options: &RenderOptions, change: &dyn Fn(&mut Contents), words: &str| {
+    let check = |scene: &Scene, options: &RenderOptions, change: &dyn Fn(&mut Snapshot), words: &str| {
         let mut bad = contents(scene, options);
         change(&mut bad);
         let mut mesh = LightMesh::new(scene, options).expect("mesh");
@@ -240,14 +238,14 @@ fn contents_that_do_not_fit_change_nothing() {
             }),
             &mut mesh,
         );
-        let before = mesh.contents_since(&Counts::default());
-        let error = mesh.absorb(&bad).expect_err(words);
+        let before = mesh.snapshot_since(&Cursor::default());
+        let error = mesh.merge(&bad).expect_err(words);
         assert!(matches!(error, Error::InvalidContents { .. }), "{error}");
         assert!(error.to_string().contains(words), "{error}, not {words}");
-        assert_eq!(mesh.contents_since(&Counts::default()), before, "{words}");
+        assert_eq!(mesh.snapshot_since(&Cursor::default()), before, "{words}");
     };
     let mesh = with_bounces(Method::MESH, 2);
-    let by_mesh = |change: &dyn Fn(&mut Contents), words| check(&scene, &mesh, change, words);
+    let by_mesh = |change: &dyn Fn(&mut Snapshot), words| check(&scene, &mesh, change, words);
     by_mesh(&|c| c.direct.points.lattices[0].spacing *= 2.0, "direct lattice, level 0: is");
     by_mesh(&|c| c.direct.points.lattices[0].origin[1] = f32::NAN, "direct lattice, level 0: is");
     by_mesh(&|c| c.direct.points.lattices.clear(), "direct lattices: there are 0");
@@ -256,7 +254,7 @@ fn contents_that_do_not_fit_change_nothing() {
     by_mesh(&|c| c.direct.points.invalid.push([0, u32::MAX, 0, 0]), "direct invalid points, point");
     by_mesh(&|c| c.direct.points.clearances.truncate(3), "direct clearances: has");
     by_mesh(&|c| c.direct.points.addresses.truncate(3), "direct clearances: has");
-    let numbers = |c: &mut Contents, change: &dyn Fn(&mut Vec<f32>)| match &mut c.direct.values {
+    let numbers = |c: &mut Snapshot, change: &dyn Fn(&mut Vec<f32>)| match &mut c.direct.values {
         DirectValues::SixAxis(numbers) => change(numbers),
         other => panic!("{other:?}"),
     };
@@ -264,22 +262,22 @@ fn contents_that_do_not_fit_change_nothing() {
     by_mesh(&|c| numbers(c, &|n| n.truncate(7)), "direct values: has");
     by_mesh(&|c| c.direct.values = DirectValues::Scalar(Vec::new()), "of another method; this mesh keeps six axes");
     by_mesh(&|c| c.indirect = None, "indirect: is missing");
-    let indirect = |change: &dyn Fn(&mut lightmesh::IndirectContents), words| {
+    let indirect = |change: &dyn Fn(&mut lightmesh::IndirectSnapshot), words| {
         by_mesh(&|c| change(c.indirect.as_mut().expect("indirect")), words);
     };
     indirect(&|c| c.bounces = 1, "up to 1 bounces; this mesh was made for 2");
-    indirect(&|c| c.sides = 1, "1 sides; this mesh keeps 6");
+    indirect(&|c| c.faces = 1, "1 sides; this mesh keeps 6");
     indirect(&|c| c.values[3] = f32::INFINITY, "indirect values: number 3 is inf");
     indirect(&|c| c.values.extend([0.0; 18]), "indirect values: has");
     indirect(&|c| c.points.addresses[0][3] = 1000, "indirect addresses, point 0");
     indirect(&|c| c.hit_irradiance = f64::NAN, "the sum at gather hits is NaN");
     let direct = with_bounces(Method::MESH, 0);
-    let indirect_of = |c: &mut Contents| c.indirect = contents(&scene, &mesh).indirect;
+    let indirect_of = |c: &mut Snapshot| c.indirect = contents(&scene, &mesh).indirect;
     check(&scene, &direct, &indirect_of, "indirect: is given");
 
     let hybrid = with_bounces(Method::Hybrid, 0);
     let by_light = |change: &dyn Fn(&mut u32, &mut Vec<u64>), words| {
-        let change = |c: &mut Contents| match &mut c.direct.values {
+        let change = |c: &mut Snapshot| match &mut c.direct.values {
             DirectValues::Lights { words, bits } => change(words, bits),
             other => panic!("{other:?}"),
         };
@@ -291,7 +289,7 @@ fn contents_that_do_not_fit_change_nothing() {
     by_light(&|_, bits| bits[5] |= 1 << 63, "point 2: its bits contradict each other");
 
     let by_runs = |change: &dyn Fn(&mut Vec<u64>, &mut Vec<u32>), words| {
-        let change = |c: &mut Contents| match &mut c.direct.values {
+        let change = |c: &mut Snapshot| match &mut c.direct.values {
             DirectValues::Runs { ends, runs } => change(ends, runs),
             other => panic!("{other:?}"),
         };
@@ -307,5 +305,5 @@ fn contents_that_do_not_fit_change_nothing() {
     let all = contents(&scene, &mesh);
     let tight = mesh.with(|o| o.limits.max_memory = 100_000);
     let mut small = LightMesh::new(&scene, &tight).expect("mesh");
-    assert!(matches!(small.absorb(&all), Err(Error::OutOfMemory { .. })) && small.stats().points_used == 0);
+    assert!(matches!(small.merge(&all), Err(Error::OutOfMemory { .. })) && small.stats().points_used == 0);
 }

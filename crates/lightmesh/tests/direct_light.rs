@@ -1,10 +1,8 @@
 //! Direct light against closed forms, and the tracers against each other.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{Camera, Interpolation, Light, Method, PaperScale, Scene, Spacing};

@@ -1,13 +1,11 @@
 //! Meshes that several processes fill together.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 
 use glam::Vec3;
-use lightmesh::filling::{self, BrickPoints, Gathering, LevelValues, Wanted};
+use lightmesh::filling::{self, BounceValues, BrickMask, GatherBatch, PointRequests};
 use lightmesh::portions::{self, PictureSamples};
-use lightmesh::{Contents, Error, Interpolation, LightMesh, Method, RenderOptions, Scene, render};
+use lightmesh::{Error, Interpolation, LightMesh, Method, RenderOptions, Scene, Snapshot, render};
 
 /// Every point that a picture reads is wanted before: filled by then, none is left for the picture.
 #[test]
@@ -27,11 +25,11 @@ fn demand_is_what_a_picture_reads() {
             let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
             let prepared = portions::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
             for _ in 0..mesh.level_count() {
-                let mut wanted = Wanted::default();
+                let mut wanted = PointRequests::default();
                 for i in 0..portions::wave_count(&options).expect("count") {
                     let part = (&prepared, PictureSamples::All, i..i + 1);
                     let more = filling::demand(&scene, &camera, &options, &mut mesh, part, &()).expect("wanted");
-                    wanted.join(&more);
+                    wanted.merge(&more);
                 }
                 let before = mesh.stats().points_used;
                 filling::fill_direct(&scene, &options, &mut mesh, &wanted.direct, &()).expect("filled");
@@ -54,60 +52,60 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
         .iter_mut()
         .map(|mesh| portions::prepare(scene, &camera, options, mesh, &()).expect("prepared"))
         .collect();
-    let mut gathered_for = Wanted::default();
+    let mut gathered_for = PointRequests::default();
     for _ in 0..meshes[0].level_count() {
         // Waves in turn.
-        let mut wanted = Wanted::default();
+        let mut wanted = PointRequests::default();
         for i in 0..portions::wave_count(options).expect("count") {
             let at = i as usize % 2;
             let part = (&prepared[at], PictureSamples::All, i..i + 1);
             let more = filling::demand(scene, &camera, options, &mut meshes[at], part, &()).expect("wanted");
-            wanted.join(&more);
+            wanted.merge(&more);
         }
 
         // Groups of a brick or two, until no point is new.
-        let mut groups: Vec<Gathering> = Vec::new();
-        let mut new = Wanted { direct: Vec::new(), indirect: wanted.indirect.clone() };
+        let mut groups: Vec<GatherBatch> = Vec::new();
+        let mut new = PointRequests { direct: Vec::new(), indirect: wanted.indirect.clone() };
         while !new.is_empty() {
             let first = groups.len();
             for bricks in new.indirect.chunks(2) {
-                groups.push(Gathering::new(scene, options, &meshes[0], bricks, &()).expect("group"));
+                groups.push(GatherBatch::new(scene, options, &meshes[0], bricks, &()).expect("group"));
             }
-            gathered_for.join(&new);
-            new = Wanted::default();
+            gathered_for.merge(&new);
+            new = PointRequests::default();
             for group in &groups[first..] {
-                let further = group.wanted(scene, &meshes[0]);
-                new.join(&Wanted { direct: Vec::new(), indirect: further.indirect });
-                wanted.join(&Wanted { direct: further.direct, indirect: Vec::new() });
+                let further = group.requests(scene, &meshes[0]);
+                new.merge(&PointRequests { direct: Vec::new(), indirect: further.indirect });
+                wanted.merge(&PointRequests { direct: further.direct, indirect: Vec::new() });
             }
             new.remove(&gathered_for);
         }
 
         // Bricks of direct light in turn, the last first.
-        let learned: Vec<Contents> = (wanted.direct.chunks(3).rev().zip([0, 1].into_iter().cycle()))
+        let learned: Vec<Snapshot> = (wanted.direct.chunks(3).rev().zip([0, 1].into_iter().cycle()))
             .map(|(bricks, at)| {
                 filling::fill_direct(scene, options, &mut meshes[at], bricks, &()).expect("filled");
-                let of = Wanted { direct: bricks.to_vec(), indirect: Vec::new() };
-                meshes[at].contents_of(&of).expect("contents")
+                let of = PointRequests { direct: bricks.to_vec(), indirect: Vec::new() };
+                meshes[at].snapshot_of(&of).expect("contents")
             })
             .collect();
         for contents in &learned {
-            meshes.iter_mut().for_each(|mesh| mesh.absorb(contents).expect("absorbed"));
+            meshes.iter_mut().for_each(|mesh| mesh.merge(contents).expect("absorbed"));
         }
 
         // Reflection after reflection, all groups each.
         for (i, group) in groups.iter_mut().enumerate() {
             group.light(scene, options, &mut meshes[i % 2], &()).expect("light");
         }
-        let mut below = LevelValues::default();
+        let mut below = BounceValues::default();
         for k in 0..=options.transport.bounces {
-            let reflect = |group: &mut Gathering| group.bounce(scene, k, &below).expect("level");
-            let parts: Vec<LevelValues> = groups.iter_mut().rev().map(reflect).collect();
-            below = LevelValues::join(&parts);
+            let reflect = |group: &mut GatherBatch| group.bounce(scene, k, &below).expect("level");
+            let parts: Vec<BounceValues> = groups.iter_mut().rev().map(reflect).collect();
+            below = BounceValues::merge(&parts);
         }
         for group in &groups {
             let contents = group.contents(&meshes[0]).expect("all levels");
-            meshes.iter_mut().for_each(|mesh| mesh.absorb(&contents).expect("absorbed"));
+            meshes.iter_mut().for_each(|mesh| mesh.merge(&contents).expect("absorbed"));
         }
     }
     let [_, _, mesh] = meshes;
@@ -161,10 +159,10 @@ fn bricks_of_another_mesh_are_refused() {
     let options = options(Method::MESH).with(|o| o.transport.bounces = 1);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     for (level, brick) in [(1, 0), (0, u32::MAX)] {
-        let bricks = [BrickPoints { level, brick, places: [1; 8] }];
+        let bricks = [BrickMask { level, brick, mask: [1; 8] }];
         let direct = filling::fill_direct(&scene, &options, &mut mesh, &bricks, &()).expect_err("no such brick");
         assert!(direct.to_string().contains("another mesh"), "{direct}");
-        let indirect = filling::Gathering::new(&scene, &options, &mesh, &bricks, &());
+        let indirect = filling::GatherBatch::new(&scene, &options, &mesh, &bricks, &());
         assert!(matches!(indirect, Err(Error::InvalidBricks { .. })));
     }
     assert_eq!(mesh.stats().points_used, 0);
@@ -172,10 +170,10 @@ fn bricks_of_another_mesh_are_refused() {
 
 #[test]
 fn bricks_are_joined_place_by_place() {
-    let brick = |level, brick, places: u64| BrickPoints { level, brick, places: [places, 0, 0, 0, 0, 0, 0, 1] };
-    let mut some = Wanted { direct: vec![brick(0, 3, 1), brick(1, 0, 4)], indirect: Vec::new() };
-    some.join(&Wanted { direct: vec![brick(0, 2, 7), brick(0, 3, 6)], indirect: vec![brick(0, 0, 1)] });
+    let brick = |level, brick, places: u64| BrickMask { level, brick, mask: [places, 0, 0, 0, 0, 0, 0, 1] };
+    let mut some = PointRequests { direct: vec![brick(0, 3, 1), brick(1, 0, 4)], indirect: Vec::new() };
+    some.merge(&PointRequests { direct: vec![brick(0, 2, 7), brick(0, 3, 6)], indirect: vec![brick(0, 0, 1)] });
     assert_eq!(some.direct, [brick(0, 2, 7), brick(0, 3, 7), brick(1, 0, 4)]);
     assert_eq!(some.len(), 4 + 4 + 2 + 2);
-    assert!(!some.is_empty() && Wanted::default().is_empty());
+    assert!(!some.is_empty() && PointRequests::default().is_empty());
 }

@@ -1,8 +1,6 @@
 //! Meshes whose density falls with the distance from the eye.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::{Aov, Camera, Error, Frame, Interpolation, LightMesh, Method, RenderOptions, Scene, Spacing, render};
 
@@ -98,7 +96,7 @@ fn it_goes_with_refinement() {
     let options = with(Method::MESH, Some(2.0)).with(|o| o.mesh.refine = Some(1));
     let both = shoot(&scene, &room_camera(), &options);
     let near = shoot(&scene, &room_camera(), &options.clone().with(|o| o.mesh.refine = None));
-    let truth = shoot(&scene, &room_camera(), &crate::options(Method::Standard));
+    let truth = shoot(&scene, &room_camera(), &crate::common::options(Method::Standard));
     assert!(both.stats.direct.points_refined > near.stats.direct.points_refined);
     let [both, near] = [both, near].map(|frame| error(&frame, &truth, |_| true));
     assert!(both < near, "{both} {near}");

@@ -1,8 +1,6 @@
 //! Indirect light: closed forms, an independent radiosity solution, energy, and frames that share a mesh.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{Camera, Frame, LightMesh, Material, Method, RenderOptions, Scene, SceneData, Spacing, render};
@@ -212,9 +210,9 @@ fn the_light_that_is_left_out_is_estimated() {
     let many = shoot(&scene, &room_camera(), &gi(Method::MESH, 40));
     let sum = |frame: &Frame| frame.image.pixels.iter().sum::<Vec3>().element_sum();
     let truth = 1.0 - sum(&few) / sum(&many);
-    let said = few.stats.left_out.expect("an estimate") as f32;
+    let said = few.stats.truncated_light.expect("an estimate") as f32;
     assert!((said / truth - 1.0).abs() < 0.25, "{said} {truth}");
-    assert!(many.stats.left_out.expect("an estimate") < 1e-3);
+    assert!(many.stats.truncated_light.expect("an estimate") < 1e-3);
 }
 
 fn both_points(frame: &Frame) -> u64 {

@@ -1,8 +1,6 @@
 //! Same input, same picture; warm or cold, one thread or two; cancelled or out of memory without a crash.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 

@@ -1,8 +1,6 @@
 //! More lights than are summed one by one: clusters of them, within the error that is asked for.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::{Error, Frame, Light, LightMesh, Method, RenderOptions, Scene, SceneData, Spacing, render};
 

@@ -1,10 +1,8 @@
 //! Mirror, glass, transparency and emission.
 
-mod common;
-
 use std::f32::consts::PI;
 
-use common::*;
+use crate::common::*;
 use glam::{Vec2, Vec3, Vec4};
 use lightmesh::geometry::Sphere;
 use lightmesh::metrics::difference;

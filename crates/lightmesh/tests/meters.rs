@@ -1,11 +1,9 @@
 //! Meters: closed forms, pictures of the same places, paths, and bits that depend on nothing but the place.
 
-mod common;
-
 use std::f32::consts::PI;
 use std::sync::Mutex;
 
-use common::*;
+use crate::common::*;
 use glam::{Vec3, Vec3Swizzles};
 use lightmesh::geometry::{Aabb, Sphere};
 use lightmesh::{
@@ -344,18 +342,18 @@ fn what_is_filled_ahead_is_only_read() {
     for (method, bounces) in [(Method::MESH, 2), (Method::PAPER, 2), (Method::MESH, 0), (Method::Hybrid, 1)] {
         let options = with_bounces(method, bounces);
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
-        let filled = mesh.fill_box(&scene, &options, &grown, &()).expect("filled");
+        let filled = mesh.prefill_box(&scene, &options, &grown, &()).expect("filled");
         assert!(filled.direct.points_used >= 20 * 15 * 20 && (filled.indirect.points_used > 0) == (bounces > 0));
         let frame = lightmesh::render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
         assert_eq!((frame.stats.fill_shadow_rays, fills(frame.stats.rays)), (0, 0), "{method:?}");
         assert_eq!(frame.image, shoot(&scene, &room_camera(), &options).image, "{method:?}");
-        let again = mesh.fill_box(&scene, &options, &grown, &()).expect("filled");
+        let again = mesh.prefill_box(&scene, &options, &grown, &()).expect("filled");
         assert_eq!((again.rays.total(), again.direct), (0, frame.stats.direct), "{method:?}");
 
         let meters = meters_in_the_room();
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         let places: Vec<Vec3> = meters.iter().map(|m| m.position).collect();
-        let filled = mesh.fill_around(&scene, &options, &places, &()).expect("filled");
+        let filled = mesh.prefill_meters(&scene, &options, &places, &()).expect("filled");
         let turned: Vec<Meter> = meters.iter().map(|m| Meter { normal: m.normal.zxy() - 0.3, ..*m }).collect();
         for meters in [meters, turned] {
             let measured = measure(&scene, &meters, &options, &mut mesh, &()).expect("measured");
@@ -379,12 +377,12 @@ fn filling_ahead_checks_memory_and_stops() {
         o.mesh.spacing = Spacing::Metres(0.05);
     });
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
-    let full = mesh.fill_box(&scene, &options, &scene.bounds(), &()).expect_err("too much");
+    let full = mesh.prefill_box(&scene, &options, &scene.bounds(), &()).expect_err("too much");
     assert!(matches!(full, Error::OutOfMemory { .. }) && mesh.stats().points_used == 0, "{full}");
-    let stopped = mesh.fill_around(&scene, &options, &[Vec3::ONE], &Stop).expect_err("stopped");
+    let stopped = mesh.prefill_meters(&scene, &options, &[Vec3::ONE], &Stop).expect_err("stopped");
     assert!(matches!(stopped, Error::Cancelled));
     let standard = RenderOptions { method: Method::Standard, ..options };
-    let refused = mesh.fill_around(&scene, &standard, &[Vec3::ONE], &()).expect_err("no mesh");
+    let refused = mesh.prefill_meters(&scene, &standard, &[Vec3::ONE], &()).expect_err("no mesh");
     assert!(matches!(refused, Error::InvalidOption { option: "method", .. }));
 }
 

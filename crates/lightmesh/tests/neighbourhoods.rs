@@ -1,8 +1,6 @@
 //! What a surface reads of the mesh around it: rules for missing corners, weights of points in a sphere.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{

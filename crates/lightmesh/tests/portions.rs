@@ -1,8 +1,6 @@
 //! Pictures in portions: taken anywhere, in any order, they are the picture that is made in one go.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use std::ops::Range;
 
 use glam::Vec3;

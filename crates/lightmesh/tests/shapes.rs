@@ -1,8 +1,6 @@
 //! Surfaces that are not triangles: anything that can answer "ray hit?" and "normal?" renders in every tracer.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Vec2, Vec3};
 use lightmesh::geometry::{Aabb, Ray, Shape, Sphere, TriangleMesh};
 use lightmesh::metrics::difference;

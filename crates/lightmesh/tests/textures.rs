@@ -1,12 +1,10 @@
 //! Textures from afar: closed forms for what a pixel sees of a pattern, with every method.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::{Mat2, Vec2, Vec3};
 use lightmesh::{
-    AlphaMode, Camera, Filter, ImageData, Material, Method, Projection, RenderOptions, Scene, SceneData, Texels,
-    Texture, TextureRef, UvTransform, Wrap,
+    AlphaMode, Camera, Filter, ImageData, Material, Method, Projection, Scene, SceneData, Texels, Texture, TextureRef,
+    UvTransform, Wrap,
 };
 
 const METHODS: [Method; 6] =

@@ -1,8 +1,10 @@
 //! The arguments of the command line.
 
 mod choices;
+mod completions;
 mod environment;
 mod exposure;
+mod man;
 mod render;
 mod reproduce;
 
@@ -17,11 +19,11 @@ pub use self::{
     environment::EnvironmentArg,
     exposure::{Exposure, parse as parse_exposure},
 };
-pub(crate) use self::{render::RenderArgs, reproduce::ReproduceArgs};
+pub(crate) use self::{completions::CompletionsArgs, man::ManArgs, render::RenderArgs, reproduce::ReproduceArgs};
 
 /// Renders scenes lit by many lights, with light meshes.
 #[derive(Debug, Parser)]
-#[command(name = "lightmesh", version, about, after_help = EXIT_CODES, disable_help_subcommand = true)]
+#[command(name = "lightmesh", version, about, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -40,6 +42,10 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Run the experiments of the paper into one page
     Reproduce(ReproduceArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write one per command
+    Man(ManArgs),
 }
 
 /// Arguments of `info`.

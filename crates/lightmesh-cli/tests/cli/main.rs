@@ -2,10 +2,13 @@
 
 mod aov;
 mod compare;
+mod docs;
 mod environment;
+mod help;
 #[cfg(unix)]
 mod interrupt;
 mod mesh_file;
+mod options;
 mod place;
 #[cfg(unix)]
 mod preview;

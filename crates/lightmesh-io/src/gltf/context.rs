@@ -58,7 +58,7 @@ pub(super) struct Place<'a> {
     name: Option<&'a str>,
 }
 
-/// A [`Place`].
+/// A [`SurfaceInteraction`].
 pub(super) fn place<'a>(kind: &'static str, index: usize, name: Option<&'a str>) -> Place<'a> {
     Place { kind, index, name }
 }

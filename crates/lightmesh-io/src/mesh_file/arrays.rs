@@ -2,18 +2,18 @@
 
 use std::borrow::Cow;
 
-use lightmesh::{Contents, DirectContents, DirectValues, IndirectContents, LatticeShape, PointContents};
+use lightmesh::{DirectSnapshot, DirectValues, IndirectSnapshot, LatticeShape, PointSnapshot, Snapshot};
 
 use super::read::{ArrayReader, Shape};
 use super::tensor::Tensor;
 use crate::error::Error;
 
 /// Converts contents to the arrays of a file.
-pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
+pub(super) fn to_tensors(contents: &Snapshot) -> Vec<Tensor<'_>> {
     let mut tensors = Vec::new();
 
     // Push the direct mesh: its points, and values in the encoding of its method.
-    let DirectContents { points, values } = &contents.direct;
+    let DirectSnapshot { points, values } = &contents.direct;
     push_points(&mut tensors, "direct", points);
     let n = points.addresses.len();
     match values {
@@ -35,7 +35,7 @@ pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
 
     // Push the indirect mesh.
     if let Some(indirect) = &contents.indirect {
-        let IndirectContents { points, bounces, sides, values, hit_irradiance, hit_count } = indirect;
+        let IndirectSnapshot { points, bounces, faces: sides, values, hit_irradiance, hit_count } = indirect;
         push_points(&mut tensors, "indirect", points);
         let shape = [*bounces as usize + 1, points.addresses.len(), *sides as usize, 3];
         tensors.push(Tensor::new("indirect.values".into(), &shape, Cow::Borrowed(values)));
@@ -45,8 +45,8 @@ pub(super) fn to_tensors(contents: &Contents) -> Vec<Tensor<'_>> {
     tensors
 }
 
-fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a PointContents) {
-    let PointContents { lattices, addresses, clearances, invalid } = points;
+fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a PointSnapshot) {
+    let PointSnapshot { lattices, addresses, clearances, invalid } = points;
     let name = |array: &str| format!("{field}.{array}");
     let (levels, n, m) = (lattices.len(), addresses.len(), invalid.len());
     let origins: Vec<f32> = lattices.iter().flat_map(|lattice| lattice.origin).collect();
@@ -64,7 +64,7 @@ fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a Point
 }
 
 /// The contents that a file's arrays are.
-pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Contents, Error> {
+pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Snapshot, Error> {
     // Read the direct mesh: its points, and whichever encoding of values the file has.
     let points = read_points(arrays, "direct")?;
     let n = points.addresses.len();
@@ -84,11 +84,11 @@ pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Contents, Er
         // Where there is none, this one is missed.
         _ => DirectValues::SixAxis(arrays.read("direct.six_axis", &Shape::of([n, 6, 2, 3]))?.0),
     };
-    let direct = DirectContents { points, values };
+    let direct = DirectSnapshot { points, values };
 
     // Read the indirect mesh, if there is one.
     if !arrays.has("indirect.addresses") && !arrays.has("indirect.values") {
-        return Ok(Contents { direct, indirect: None });
+        return Ok(Snapshot { direct, indirect: None });
     }
     let points = read_points(arrays, "indirect")?;
     let name = "indirect.values";
@@ -97,18 +97,18 @@ pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Contents, Er
         return Err(arrays.invalid(name, "has not even light without reflections"));
     };
     let one = Shape::of([1]);
-    let indirect = IndirectContents {
+    let indirect = IndirectSnapshot {
         points,
         bounces: arrays.small(name, bounces)?,
-        sides: arrays.small(name, shape[2])?,
+        faces: arrays.small(name, shape[2])?,
         values,
         hit_irradiance: arrays.read("indirect.hit_irradiance", &one)?.0[0],
         hit_count: arrays.read("indirect.hit_count", &one)?.0[0],
     };
-    Ok(Contents { direct, indirect: Some(indirect) })
+    Ok(Snapshot { direct, indirect: Some(indirect) })
 }
 
-fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointContents, Error> {
+fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointSnapshot, Error> {
     let name = |array: &str| format!("{field}.{array}");
     let (spacings, shape) = arrays.read::<f32>(&name("lattice_spacing"), &Shape::any(1))?;
     let levels = shape[0];
@@ -119,5 +119,5 @@ fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointContent
     let (addresses, n) = arrays.read_rows::<u32, 4>(&name("addresses"), None)?;
     let (clearances, _) = arrays.read_rows::<u8, 6>(&name("clearances"), Some(n))?;
     let (invalid, _) = arrays.read_rows::<u32, 4>(&name("invalid"), None)?;
-    Ok(PointContents { lattices, addresses, clearances, invalid })
+    Ok(PointSnapshot { lattices, addresses, clearances, invalid })
 }

@@ -17,7 +17,7 @@
 //! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
 //! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
 //!
-//! [`lightmesh::Contents`] says more about each. Positions are for who looks at the file: they follow from the
+//! [`lightmesh::Snapshot`] says more about each. Positions are for who looks at the file: they follow from the
 //! addresses.
 //!
 //! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings`
@@ -32,7 +32,7 @@ mod write;
 
 use std::path::Path;
 
-use lightmesh::{Contents, Counts, Fingerprint, LightMesh, MeshKey, RenderOptions, Scene};
+use lightmesh::{Cursor, Fingerprint, LightMesh, MeshKey, RenderOptions, Scene, Snapshot};
 
 use crate::error::{Error, one_line};
 
@@ -54,7 +54,7 @@ pub struct MeshFile {
     /// Every setting, as a JSON object.
     pub settings: String,
     /// Points and values of the mesh.
-    pub contents: Contents,
+    pub contents: Snapshot,
 }
 
 /// Who made a mesh file, and how: for people and programs that look at the file. [`MeshFile::check`] ignores it.
@@ -78,7 +78,7 @@ impl MeshFile {
             software: software.into(),
             method: method.into(),
             settings: settings.into(),
-            contents: mesh.contents_since(&Counts::default()),
+            contents: mesh.snapshot_since(&Cursor::default()),
         }
     }
 
@@ -134,7 +134,7 @@ impl MeshFile {
         let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
         let options = options.clone().with(|o| o.transport.bounces = self.bounces());
         let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
-        mesh.absorb(&self.contents).map_err(failed)?;
+        mesh.merge(&self.contents).map_err(failed)?;
         Ok(mesh)
     }
 }

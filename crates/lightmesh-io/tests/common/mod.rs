@@ -1,5 +1,4 @@
 //! A little builder of glTF files.
-#![allow(dead_code, reason = "each test program uses its part")]
 
 use std::path::Path;
 

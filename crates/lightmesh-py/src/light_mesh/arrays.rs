@@ -1,6 +1,6 @@
 //! A snapshot of a light mesh as arrays, which is kept until the mesh changes.
 
-use lightmesh::{Contents, Counts, DirectValues, LightMesh, PointContents};
+use lightmesh::{Cursor, DirectValues, LightMesh, PointSnapshot, Snapshot};
 use pyo3::prelude::*;
 
 use crate::view::{self, Keeps};
@@ -8,7 +8,7 @@ use crate::view::{self, Keeps};
 /// A copy of the points and values of a mesh.
 #[pyclass(frozen)]
 pub(crate) struct PyMeshArrays {
-    counts: Counts,
+    counts: Cursor,
     /// Direct and indirect.
     meshes: [MeshArrays; 2],
 }
@@ -32,7 +32,7 @@ struct MeshArrays {
 }
 
 impl MeshArrays {
-    fn new(points: &PointContents, values: Option<Vec<f32>>, shape: &[usize]) -> Self {
+    fn new(points: &PointSnapshot, values: Option<Vec<f32>>, shape: &[usize]) -> Self {
         let (valid, all) = (points.addresses.len(), points.addresses.len() + points.invalid.len());
         let mut positions = points.positions();
         positions.extend(points.invalid_positions());
@@ -55,7 +55,7 @@ impl MeshArrays {
 impl PyMeshArrays {
     /// Copies all points and values of a mesh; of indirect light those after this many bounces.
     pub(crate) fn new(mesh: &LightMesh, bounces: u32) -> Self {
-        let Contents { direct, indirect } = mesh.contents_since(&Counts::default());
+        let Snapshot { direct, indirect } = mesh.snapshot_since(&Cursor::default());
         let (values, shape): (_, &[usize]) = match direct.values {
             DirectValues::SixAxis(values) => (Some(values), &[6, 2, 3]),
             DirectValues::Scalar(values) => (Some(values), &[2, 3]),
@@ -63,19 +63,19 @@ impl PyMeshArrays {
         };
         let direct = MeshArrays::new(&direct.points, values, shape);
         let indirect = match indirect {
-            None => MeshArrays::new(&PointContents::default(), Some(Vec::new()), &[6, 3]),
+            None => MeshArrays::new(&PointSnapshot::default(), Some(Vec::new()), &[6, 3]),
             Some(indirect) => {
                 let values = indirect.after(bounces).to_vec();
-                let shape: &[usize] = if indirect.sides == 1 { &[3] } else { &[6, 3] };
+                let shape: &[usize] = if indirect.faces == 1 { &[3] } else { &[6, 3] };
                 MeshArrays::new(&indirect.points, Some(values), shape)
             }
         };
-        Self { counts: mesh.counts(), meshes: [direct, indirect] }
+        Self { counts: mesh.cursor(), meshes: [direct, indirect] }
     }
 
     /// Returns whether the mesh has not changed since.
     pub(crate) fn is_current(&self, mesh: &LightMesh) -> bool {
-        self.counts == mesh.counts()
+        self.counts == mesh.cursor()
     }
 
     /// Returns the positions of the points, (n, 3).

@@ -33,8 +33,8 @@ impl PyLightMesh {
         let work = move |watch: &Watch| {
             let mut mesh = mesh.lock()?;
             let filled = match &target {
-                Target::Around(points) => mesh.fill_around(&built.scene, &options, points, watch),
-                Target::Box(bounds) => mesh.fill_box(&built.scene, &options, bounds, watch),
+                Target::Around(points) => mesh.prefill_meters(&built.scene, &options, points, watch),
+                Target::Box(bounds) => mesh.prefill_box(&built.scene, &options, bounds, watch),
             };
             Some(filled.map(|stats| serde_json::to_string(&WorkStats::new(&options, &stats))))
         };

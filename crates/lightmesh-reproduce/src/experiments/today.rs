@@ -20,10 +20,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ("mesh: six axes, trilinear, 1/40", direct(Method::MESH, size, 40.0)),
         ("hybrid, 1/40", direct(Method::Hybrid, size, 40.0)),
         ("unbiased, 4 rays, 1/40", direct(Method::UNBIASED, size, 40.0)),
-        (
-            "mesh, --error 0.05",
-            direct(Method::MESH, size, 40.0).with(|o| o.method = Method::Mesh { error: Some(0.05) }),
-        ),
+        ("mesh, --error 0.05", direct(Method::MESH, size, 40.0).with(|o| o.method = Method::with_error(0.05))),
     ];
     let options: Vec<RenderOptions> = ways.iter().map(|(_, options)| options.clone()).collect();
     let seconds = lab.race(&place, &options)?;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::film::{Film, Watch};
+use crate::film::{Film, RenderClock};
 use crate::integrator::{Dots, Lighting, paint, render_path, render_waves};
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
@@ -41,7 +41,7 @@ pub fn render(
         None => options.check_picture_memory()?,
     }
     let started = Instant::now();
-    let mut watch = Watch::new(progress, viewer, started, options.picture.time_limit);
+    let mut watch = RenderClock::new(progress, viewer, started, options.picture.time_limit);
     let mut film = new_film(scene, camera, options);
     let mut stats = match options.method {
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
@@ -53,7 +53,7 @@ pub fn render(
     };
     stats.spp = film.whole_passes();
     stats.time_limit_reached = stats.spp < options.picture.spp;
-    let film_frame = film.frame();
+    let film_frame = film.rays_and_size();
     let (image, mut layers) = film.into_image();
     if options.picture.aovs.contains(Aov::Points) {
         let (rays, width, height) = film_frame;

@@ -2,12 +2,12 @@
 
 use glam::{Vec3, Vec4};
 
-use super::field::Field;
+use super::field::DirectEncoding;
 use super::visibility_bits::LightBits;
 use super::visibility_runs::{LightRuns, State};
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
-use crate::light::{Directions, LightsAt};
+use crate::light::{Directions, LightCut};
 use crate::world::Scene;
 use crate::{Falloff, PaperScale};
 
@@ -15,8 +15,8 @@ use crate::{Falloff, PaperScale};
 #[derive(Debug)]
 pub(super) struct Evaluator<'a> {
     scene: &'a Scene,
-    lights: LightsAt<'a>,
-    field: Field,
+    lights: LightCut<'a>,
+    field: DirectEncoding,
     constant: f32,
     shadow_rays: u64,
     directions: Directions,
@@ -27,7 +27,7 @@ pub(super) struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    pub(crate) fn new(scene: &'a Scene, lights: LightsAt<'a>, field: Field, constant: f32) -> Self {
+    pub(crate) fn new(scene: &'a Scene, lights: LightCut<'a>, field: DirectEncoding, constant: f32) -> Self {
         Self {
             scene,
             lights,
@@ -66,18 +66,18 @@ impl<'a> Evaluator<'a> {
         }))
     }
 
-    /// The values of the point at `x`, visible and unshadowed light by turns: as many as [`Field::stride`] counts.
+    /// The values of the point at `x`, visible and unshadowed light by turns: as many as [`DirectEncoding::stride`] counts.
     pub(super) fn evaluate(&mut self, x: Vec3) -> [Vec4; 12] {
         match self.field {
-            Field::SixAxis { falloff } => {
+            DirectEncoding::SixAxis { falloff } => {
                 self.shoot(x, falloff);
                 self.six_axis()
             }
-            Field::ByLight { falloff } => {
+            DirectEncoding::PerLight { falloff } => {
                 self.shoot(x, falloff);
                 [Vec4::ZERO; 12]
             }
-            Field::Scalar { falloff, scale } => {
+            DirectEncoding::Scalar { falloff, scale } => {
                 self.shoot(x, falloff);
                 let mut values = [Vec4::ZERO; 12];
                 values[..2].copy_from_slice(&self.scalar(scale));
@@ -88,9 +88,9 @@ impl<'a> Evaluator<'a> {
 
     /// V_i for every light that reaches `x` at all.
     pub(crate) fn shoot(&mut self, x: Vec3, falloff: Falloff) {
-        self.lights.look_from(x, falloff);
+        self.lights.set_receiver(x, falloff);
         let lights = self.lights.lights();
-        lights.directions(self.scene.level(), falloff, x, &mut self.directions);
+        lights.directions(self.scene.simd_level(), falloff, x, &mut self.directions);
         self.lanes.clear();
         self.rays.clear();
         for lane in 0..lights.lanes() {

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::interaction::{Vertex, VisibilityScratch, visibility};
-use crate::light::{Directions, LightsAt};
+use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
+use crate::light::{Directions, LightCut};
 use crate::world::Scene;
 
 /// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
@@ -25,12 +25,12 @@ impl Scratch {
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
-        seen: &LightsAt<'_>,
+        seen: &LightCut<'_>,
         falloff: Falloff,
-        vertex: &Vertex,
+        vertex: &ShadingPoint,
     ) -> (Vec3, u64) {
         let lights = seen.lights();
-        lights.directions(scene.level(), falloff, vertex.position, &mut self.directions);
+        lights.directions(scene.simd_level(), falloff, vertex.position, &mut self.directions);
 
         // Only lights in front of the surface, in their cone and range, are worth a ray.
         self.lanes.clear();

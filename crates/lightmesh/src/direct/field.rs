@@ -2,12 +2,12 @@
 
 use glam::{Vec3, Vec4};
 
-use super::region_cuts::LightRegions;
+use super::region_cuts::RegionCuts;
 use super::visibility_bits::LightBits;
 use super::visibility_runs::LightRuns;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::light::Directions;
-use crate::mesh::{Axes, Costs, Lattice, Marks, Neighbourhood, Points};
+use crate::mesh::{AmbientCube, Costs, Interpolator, Lattice, Marks, Points};
 use crate::options::PointKind;
 use crate::{Error, Falloff, MeshKey, MeshStats, PaperScale, RenderOptions, Scene};
 
@@ -16,14 +16,14 @@ use crate::{Error, Falloff, MeshKey, MeshStats, PaperScale, RenderOptions, Scene
 /// of the light, weighs most. (Dividing at each point instead costs half the memory; measured on the room of 15 / 100
 /// lights at 1/80 of its length: error 6.0 / 3.5% instead of 5.0 / 2.9%.)
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Field {
+pub(crate) enum DirectEncoding {
     /// A pair for each of ±x, ±y, ±z (an ambient cube).
     SixAxis {
         /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
         falloff: Falloff,
     },
     /// None: readers ask for each light by itself.
-    ByLight {
+    PerLight {
         /// φ3: which lights shine on a point at all.
         falloff: Falloff,
     },
@@ -36,11 +36,11 @@ pub(crate) enum Field {
     },
 }
 
-impl Field {
+impl DirectEncoding {
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let falloff = options.transport.falloff;
         match MeshKey::of(options).kind {
-            PointKind::ByLight => Self::ByLight { falloff },
+            PointKind::ByLight => Self::PerLight { falloff },
             PointKind::Scalar { field_falloff, scale } => Self::Scalar { falloff: field_falloff, scale },
             PointKind::SixAxis => Self::SixAxis { falloff },
         }
@@ -50,7 +50,7 @@ impl Field {
     pub(crate) fn stride(self) -> usize {
         match self {
             Self::SixAxis { .. } => 12,
-            Self::ByLight { .. } => 0,
+            Self::PerLight { .. } => 0,
             Self::Scalar { .. } => 2,
         }
     }
@@ -58,14 +58,14 @@ impl Field {
 
 /// The constant of [`PaperScale::Constant`]: the mean of Σ E_i / φ1, without V_i, over the channels and a grid of 8³ places
 /// in the scene's box. 1 where it is not needed.
-pub(super) fn papers_constant(scene: &Scene, field: Field) -> f32 {
+pub(super) fn papers_constant(scene: &Scene, field: DirectEncoding) -> f32 {
     const SIDE: u32 = 8;
-    let Field::Scalar { falloff, scale: PaperScale::Constant } = field else { return 1.0 };
+    let DirectEncoding::Scalar { falloff, scale: PaperScale::Constant } = field else { return 1.0 };
     let (bounds, lights) = (scene.bounds(), scene.lights());
     let (mut d, mut sum) = (Directions::default(), 0.0_f64);
     for i in 0..SIDE.pow(3) {
         let place = Vec3::new((i % SIDE) as f32, (i / SIDE % SIDE) as f32, (i / SIDE / SIDE) as f32) + 0.5;
-        lights.directions(scene.level(), falloff, bounds.min + bounds.size() * (place / SIDE as f32), &mut d);
+        lights.directions(scene.simd_level(), falloff, bounds.min + bounds.size() * (place / SIDE as f32), &mut d);
         for lane in 0..lights.lanes() {
             let r = Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]).length();
             sum += f64::from(lights.intensity(lane).element_sum() / 3.0 * d.f[lane] * r);
@@ -78,9 +78,9 @@ pub(super) fn papers_constant(scene: &Scene, field: Field) -> f32 {
 #[derive(Debug)]
 pub(crate) struct DirectField {
     pub(crate) points: Points,
-    pub(crate) field: Field,
+    pub(crate) encoding: DirectEncoding,
     pub(crate) values: Vec<Vec4>,
-    pub(super) lights: LightRegions,
+    pub(super) lights: RegionCuts,
     /// What points know of each light, where the method wants it.
     pub(crate) bits: Option<LightBits>,
     /// The same where lights are clusters: then there are no bits.
@@ -98,11 +98,11 @@ impl DirectField {
     pub(crate) fn new(
         scene: &Scene,
         lattices: Vec<Lattice>,
-        neighbourhood: Neighbourhood,
+        neighbourhood: Interpolator,
         options: &RenderOptions,
     ) -> Result<Self, Error> {
-        let lights = LightRegions::new(scene, options)?;
-        let field = Field::of(options);
+        let lights = RegionCuts::new(scene, options)?;
+        let field = DirectEncoding::of(options);
         let constant = papers_constant(scene, field);
         let points = Points::new(lattices, neighbourhood);
         let samples = scene.lights();
@@ -114,7 +114,7 @@ impl DirectField {
             padding[lane / 64] |= 1 << (lane % 64);
         }
         let max_memory = options.limits.max_memory;
-        Ok(Self { points, field, values: Vec::new(), lights, bits, runs, padding, constant, max_memory })
+        Ok(Self { points, encoding: field, values: Vec::new(), lights, bits, runs, padding, constant, max_memory })
     }
 
     pub(crate) fn marks(&self) -> Marks {
@@ -129,7 +129,7 @@ impl DirectField {
 
     /// Memory of a point's values, but for runs, which differ from point to point.
     fn value_bytes(&self) -> u64 {
-        (self.field.stride() * size_of::<Vec4>()) as u64 + self.bits.as_ref().map_or(0, LightBits::bytes_per_point)
+        (self.encoding.stride() * size_of::<Vec4>()) as u64 + self.bits.as_ref().map_or(0, LightBits::bytes_per_point)
     }
 
     /// What filling points takes.
@@ -154,12 +154,12 @@ impl DirectField {
     }
 
     /// The lights of its scene.
-    pub(crate) fn lights(&self) -> &LightRegions {
+    pub(crate) fn lights(&self) -> &RegionCuts {
         &self.lights
     }
 
     /// [`DirectField::lights`], to ask for what is not known yet.
-    pub(crate) fn lights_mut(&mut self) -> &mut LightRegions {
+    pub(crate) fn lights_mut(&mut self) -> &mut RegionCuts {
         &mut self.lights
     }
 
@@ -169,24 +169,24 @@ impl DirectField {
     }
 
     /// How often the cell that a vertex reads has been refined.
-    pub(crate) fn level_at(&self, vertex: &Vertex) -> u32 {
+    pub(crate) fn level_at(&self, vertex: &ShadingPoint) -> u32 {
         self.points.cell(vertex).0
     }
 
     /// Visible and unshadowed light of a point, as a surface of normal `n` counts it.
     #[inline(always)]
-    pub(crate) fn fold(&self, index: u32, n: Vec3) -> (Vec4, Vec4) {
-        match self.field {
-            Field::SixAxis { .. } => {
+    pub(crate) fn project(&self, index: u32, n: Vec3) -> (Vec4, Vec4) {
+        match self.encoding {
+            DirectEncoding::SixAxis { .. } => {
                 let values = &self.values[index as usize * 12..][..12];
-                let Axes { sides, squares } = Axes::facing(n);
+                let AmbientCube { faces: sides, squares } = AmbientCube::facing(n);
                 let [x, y, z] = sides.map(|side| 2 * side);
                 let visible = values[x] * squares.x + values[y] * squares.y + values[z] * squares.z;
                 let all = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
                 (visible, all)
             }
-            Field::ByLight { .. } => (Vec4::ZERO, Vec4::ZERO),
-            Field::Scalar { .. } => {
+            DirectEncoding::PerLight { .. } => (Vec4::ZERO, Vec4::ZERO),
+            DirectEncoding::Scalar { .. } => {
                 let values = &self.values[index as usize * 2..][..2];
                 (values[0], values[1])
             }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::evaluate::Evaluator;
-use super::field::{DirectField, Field};
+use super::field::{DirectEncoding, DirectField};
 use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
 use crate::{Error, PaperScale, RayCounts, Scene};
 
@@ -18,7 +18,7 @@ impl DirectField {
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
         let wanted = self.points.take(marks, self.costs(), self.max_memory)?;
         let mut rays = RayCounts::default();
-        if !matches!(self.field, Field::Scalar { scale: PaperScale::Constant, .. }) {
+        if !matches!(self.encoding, DirectEncoding::Scalar { scale: PaperScale::Constant, .. }) {
             rays.secondary = PROBE_RAYS * wanted.len() as u64;
         }
         // How many runs points have is known when they have been evaluated.
@@ -31,9 +31,9 @@ impl DirectField {
 
     /// Evaluates some points that were wanted, and stores them; how many shadow rays it took.
     fn evaluate(&mut self, scene: &Scene, wanted: &[Address]) -> Result<u64, Error> {
-        let stride = self.field.stride();
+        let stride = self.encoding.stride();
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
-        let (grid, field, constant, lights) = (&self.points, self.field, self.constant, &self.lights);
+        let (grid, field, constant, lights) = (&self.points, self.encoding, self.constant, &self.lights);
         let (bits, runs, padding) = (self.bits.as_ref(), self.runs.as_ref(), self.padding.as_slice());
         let evaluated: Vec<_> = wanted
             .par_chunks(64)
@@ -42,10 +42,10 @@ impl DirectField {
                 let points: Vec<_> = chunk
                     .iter()
                     .map(|&address| {
-                        let x = grid.place(address);
+                        let x = grid.position_of(address);
                         let clearance = match field {
                             // The paper's mesh knows no geometry: as printed, every point counts.
-                            Field::Scalar { scale: PaperScale::Constant, .. } => Some(Clearance::ALL_FREE),
+                            DirectEncoding::Scalar { scale: PaperScale::Constant, .. } => Some(Clearance::ALL_FREE),
                             _ => probe(scene, x, grid.level(address.level).lattice.spacing()),
                         };
                         let values = clearance.map(|_| {

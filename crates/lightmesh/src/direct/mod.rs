@@ -16,8 +16,8 @@ mod visibility_estimate;
 mod visibility_runs;
 
 pub(crate) use exact::Scratch;
-pub(crate) use field::{DirectField, Field};
-pub(crate) use per_light::{Care, Trust};
-pub(crate) use plan::{Indirect, Plan, Shading};
-pub(crate) use shading::{DirectLighting, LitVertices};
+pub(crate) use field::{DirectEncoding, DirectField};
+pub(crate) use per_light::{SamplingPolicy, TrustAgreement};
+pub(crate) use plan::{Indirect, LightingPlan, Shading};
+pub(crate) use shading::{DirectLighting, ShadingBatch};
 pub(crate) use visibility_runs::LightRuns;

@@ -21,39 +21,39 @@ use control_variate::Single;
 use fearless_simd::Simd;
 use glam::Vec3;
 
-use super::region_visibility::KnownLights;
+use super::region_visibility::LightCutVisibility;
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::interaction::{Vertex, VisibilityScratch, visibility};
+use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{BlockTerms, LANES, LightTerms, Receiver};
 use crate::sampling::hash;
 use crate::world::Scene;
 
 /// How much of the light at a surface the mesh is believed about.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Care {
+pub(crate) struct SamplingPolicy {
     /// Of disputed lights, each that gives this part of all light (unshadowed), or more, gets a ray, and the others together one
     /// for each such part.
-    pub quantum: f32,
+    pub step: f32,
     /// A light that gives this part or more gets a ray whatever the points agree on: in the open, and where something stands near.
-    pub much: [f32; 2],
+    pub always_above: [f32; 2],
     /// What of the other lights that the points agree about.
-    pub trust: Trust,
+    pub agreement: TrustAgreement,
 }
 
 /// Whom the mesh is believed about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Trust {
+pub(crate) enum TrustAgreement {
     /// Lights that all points agree about and that do not give much.
-    Agreed,
-    /// Nobody: one ray for every [`Care::much`] of the light that is agreed about. The expectation is exact, but for what
+    Yes,
+    /// Nobody: one ray for every [`SamplingPolicy::always_above`] of the light that is agreed about. The expectation is exact, but for what
     /// clusters are off.
-    Nobody,
+    Unbiased,
 }
 
-impl Care {
+impl SamplingPolicy {
     /// That of the hybrid method: docs/accuracy.md has what each rule costs and brings.
-    pub(crate) const HYBRID: Self = Self { quantum: 0.0035, much: [0.3, 0.12], trust: Trust::Agreed };
+    pub(crate) const HYBRID: Self = Self { step: 0.0035, always_above: [0.3, 0.12], agreement: TrustAgreement::Yes };
 }
 
 /// Rays that wait to be shot, at most, but for those of one surface.
@@ -64,20 +64,20 @@ const RAYS_PER_CLUSTER: f32 = 16.0;
 
 /// Buffers, one set per worker, kept between calls. Rays of many surfaces are shot together.
 #[derive(Debug, Default)]
-pub(super) struct ByLight {
+pub(super) struct PerLightShader {
     terms: LightTerms,
     rays: Vec<Ray>,
-    waiting: Vec<Waiting>,
+    queue: Vec<QueuedRay>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
     /// What is chosen among, and how likely: first the blocks' lights that are agreed about, then the others.
-    masses: Vec<f32>,
+    contributions: Vec<f32>,
     singles: Vec<Single>,
 }
 
 /// What is done with a ray's visibility V: weight · (V − expected) is added to the light of a surface.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
+struct QueuedRay {
     weight: Vec3,
     expected: f32,
     surface: u32,
@@ -85,23 +85,23 @@ struct Waiting {
 
 /// What is lit.
 #[derive(Clone, Copy)]
-pub(super) struct Lit<'a> {
+pub(super) struct Shaded<'a> {
     pub scene: &'a Scene,
     pub falloff: Falloff,
-    pub vertex: &'a Vertex,
+    pub vertex: &'a ShadingPoint,
     /// Its number among those that are lit together.
     pub surface: u32,
     /// The lights, and what the points around it know of them.
-    pub known: KnownLights<'a>,
+    pub lights: LightCutVisibility<'a>,
     pub seed: u32,
-    /// Where its rays start: [`Vertex::origins`].
+    /// Where its rays start: [`ShadingPoint::origins`].
     pub origins: [Vec3; 2],
 }
 
-impl Lit<'_> {
+impl Shaded<'_> {
     fn receiver(&self) -> Receiver {
-        let Vertex { position, n, ng, .. } = *self.vertex;
-        Receiver { position, n, ng, doubt: self.known.agreement.doubt, falloff: self.falloff }
+        let ShadingPoint { position, n, ng, .. } = *self.vertex;
+        Receiver { position, n, ng, occluder_direction: self.lights.estimate.occluder_direction, falloff: self.falloff }
     }
 
     /// Where a ray towards `direction` starts.
@@ -121,31 +121,31 @@ impl Lit<'_> {
     }
 }
 
-impl ByLight {
+impl PerLightShader {
     /// Direct irradiance, lux per channel, as far as it is known; rays to the lights that are disputed or give much wait for
-    /// [`ByLight::shoot`].
+    /// [`PerLightShader::shoot`].
     #[inline(always)]
-    pub(super) fn with_care<S: Simd>(&mut self, simd: S, lit: &Lit<'_>, care: Care) -> Vec3 {
-        let KnownLights { lights, agreement, .. } = lit.known;
+    pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, care: SamplingPolicy) -> Vec3 {
+        let LightCutVisibility { lights, estimate: agreement, .. } = lit.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, total) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
+        let (mut sum, total) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
 
-        let (quantum, much) = (care.quantum * total, care.much[usize::from(agreement.cluttered)] * total);
+        let (quantum, much) = (care.step * total, care.always_above[usize::from(agreement.near_occluder)] * total);
         // How much doubt, and how much of what is agreed about, goes by until the next ray.
         let mut next_doubt = None;
-        let mut next = if care.trust == Trust::Agreed { f32::INFINITY } else { much * lit.random(1) };
+        let mut next = if care.agreement == TrustAgreement::Yes { f32::INFINITY } else { much * lit.random(1) };
         let mut dispute = 0;
-        for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.disputed()).enumerate() {
+        for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.partial()).enumerate() {
             let first = at * LANES;
-            let mut agreed = block.mass;
+            let mut agreed = block.contribution;
 
             // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
-            let singles = disputed | block.doubtful;
+            let singles = disputed | block.towards_occluder;
             for i in ones(singles) {
                 let is_disputed = disputed >> i & 1 != 0;
                 let number = dispute;
                 dispute += usize::from(is_disputed);
-                let mass = block.masses[i];
+                let mass = block.contributions[i];
                 if mass <= 0.0 {
                     continue;
                 }
@@ -156,7 +156,7 @@ impl ByLight {
                     sum += c * v;
                     (v, 2.0 * mass * (v * (1.0 - v)).sqrt())
                 } else {
-                    (agreement.sure[first + i], mass)
+                    (agreement.certain[first + i], mass)
                 };
                 let mut scale = 1.0;
                 if doubt < quantum {
@@ -168,7 +168,7 @@ impl ByLight {
                     *next += quantum;
                     scale = quantum / doubt;
                 }
-                sum -= self.want(lit, block, (first, i), (c * scale, scale), (v, 0, Some(doubt / quantum)));
+                sum -= self.queue_shadow_ray(lit, block, (first, i), (c * scale, scale), (v, 0, Some(doubt / quantum)));
             }
 
             // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each
@@ -178,9 +178,9 @@ impl ByLight {
                 next -= agreed;
                 continue;
             }
-            let looked_at = if care.trust == Trust::Agreed { giving } else { !singles & ((1 << LANES) - 1) };
+            let looked_at = if care.agreement == TrustAgreement::Yes { giving } else { !singles & ((1 << LANES) - 1) };
             for i in ones(looked_at) {
-                let mass = block.masses[i];
+                let mass = block.contributions[i];
                 if mass <= 0.0 {
                     continue;
                 }
@@ -194,12 +194,12 @@ impl ByLight {
                     scale = much / mass;
                 }
                 let c = lights.intensity(first + i) * block.factors[i];
-                sum -= self.want(
+                sum -= self.queue_shadow_ray(
                     lit,
                     block,
                     (first, i),
                     (c * scale, scale),
-                    (agreement.sure[first + i], 0, Some(mass / much)),
+                    (agreement.certain[first + i], 0, Some(mass / much)),
                 );
             }
         }
@@ -213,15 +213,15 @@ impl ByLight {
     /// some lights are asked, and (V_j − expected) c_j scale / p_j is taken: where V is as expected there is no noise, and what is off is what the
     /// cluster's unshadowed light is off. What must be subtracted at once is returned.
     #[inline(always)]
-    fn want(
+    fn queue_shadow_ray(
         &mut self,
-        lit: &Lit<'_>,
+        lit: &Shaded<'_>,
         block: &BlockTerms,
         (first, i): (usize, usize),
         (weight, scale): (Vec3, f32),
         (expected, k, worth): (f32, u32, Option<f32>),
     ) -> Vec3 {
-        let KnownLights { lights, clusters, .. } = lit.known;
+        let LightCutVisibility { lights, clusters, .. } = lit.lights;
         if let Some(clusters) = clusters
             && let Some(node) = clusters.node(first + i)
         {
@@ -230,29 +230,29 @@ impl ByLight {
             for ray in 0..rays as u32 {
                 let chosen = clusters.choose(node, (ray as f32 + u) / rays);
                 match worth {
-                    Some(_) => self.want_one_of(lit, chosen, scale / rays, expected),
-                    None => self.want_one_of(lit, chosen, scale, 0.0),
+                    Some(_) => self.queue_cluster_ray(lit, chosen, scale / rays, expected),
+                    None => self.queue_cluster_ray(lit, chosen, scale, 0.0),
                 }
             }
             return if worth.is_some() { Vec3::ZERO } else { weight * expected };
         }
         self.rays.push(lights.shadow_ray(first + i, lit.origin_towards(block.direction(i))));
-        self.waiting.push(Waiting { weight, expected, surface: lit.surface });
+        self.queue.push(QueuedRay { weight, expected, surface: lit.surface });
         Vec3::ZERO
     }
 
     /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster.
-    fn want_one_of(&mut self, lit: &Lit<'_>, (lane, p): (usize, f32), scale: f32, expected: f32) {
-        let Vertex { position, n, .. } = *lit.vertex;
+    fn queue_cluster_ray(&mut self, lit: &Shaded<'_>, (lane, p): (usize, f32), scale: f32, expected: f32) {
+        let ShadingPoint { position, n, .. } = *lit.vertex;
         let samples = lit.scene.lights();
-        let Some(luminaire) = samples.luminaire(lane) else { return };
+        let Some(luminaire) = samples.sample(lane) else { return };
         let (direction, f) = luminaire.arriving(lit.falloff, position);
         let c = luminaire.intensity * (f * n.dot(direction).max(0.0));
         if c == Vec3::ZERO || p <= 0.0 {
             return;
         }
         self.rays.push(samples.shadow_ray(lane, lit.origin_towards(direction)));
-        self.waiting.push(Waiting { weight: c * (scale / p), expected, surface: lit.surface });
+        self.queue.push(QueuedRay { weight: c * (scale / p), expected, surface: lit.surface });
     }
 
     /// Whether so many rays wait that they should be shot.
@@ -264,12 +264,12 @@ impl ByLight {
     /// Shoots the rays that wait and adds what they find to the irradiance of their surfaces, lux; how many they were.
     pub(crate) fn shoot(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        for (&Waiting { weight, expected, surface }, &v) in self.waiting.iter().zip(&self.visible) {
+        for (&QueuedRay { weight, expected, surface }, &v) in self.queue.iter().zip(&self.visible) {
             irradiance[surface as usize] += weight * (v - expected);
         }
         let count = self.rays.len() as u64;
         self.rays.clear();
-        self.waiting.clear();
+        self.queue.clear();
         count
     }
 }

@@ -1,17 +1,17 @@
 //! How a picture's surfaces take their light: what the method says, or what keeps the error within its bound.
 
-use super::per_light::Care;
-use crate::mesh::Sight;
+use super::per_light::SamplingPolicy;
+use crate::mesh::CornerVisibility;
 use crate::sampling::hash;
 use crate::{Method, RenderOptions};
 
 /// How surfaces take their light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Plan {
+pub(crate) struct LightingPlan {
     /// Direct light of what the camera sees.
-    pub seen: Shading,
+    pub primary: Shading,
     /// Direct light where gather rays end: only the sum counts.
-    pub gathered: Shading,
+    pub gather: Shading,
     /// Indirect light of what the camera sees.
     pub indirect: Indirect,
 }
@@ -24,7 +24,7 @@ pub(crate) enum Shading {
     /// The unshadowed sum times the mesh's mean visibility: formulas (2) and (3g).
     MeanVisibility,
     /// Light by light, with shadow rays as far as some care wants them.
-    ByLight { care: Care, seed: u32 },
+    PerLight { care: SamplingPolicy, seed: u32 },
     /// The mesh as control variate of so many shadow rays.
     Unbiased { rays: u32, seed: u32 },
 }
@@ -35,7 +35,7 @@ pub(crate) enum Indirect {
     /// From the indirect mesh: formula (6).
     Mesh,
     /// From gather rays of their own, which read the mesh where they end.
-    Gathered {
+    FinalGather {
         /// Other seeds give other rays.
         seed: u64,
     },
@@ -45,12 +45,12 @@ pub(crate) enum Indirect {
 
 impl Shading {
     /// Light by light, seeded as the options say.
-    pub(crate) fn by_light(care: Care, options: &RenderOptions) -> Self {
-        Self::ByLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
+    pub(crate) fn by_light(care: SamplingPolicy, options: &RenderOptions) -> Self {
+        Self::PerLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
     }
 }
 
-impl Plan {
+impl LightingPlan {
     /// What the method says.
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
@@ -59,31 +59,31 @@ impl Plan {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
             Method::Mesh { error: Some(_) } => (Shading::Exact, unbiased(1)),
             Method::Mesh { error: None } | Method::Paper { .. } => (Shading::MeanVisibility, Shading::MeanVisibility),
-            Method::Hybrid => (Shading::by_light(Care::HYBRID, options), unbiased(1)),
+            Method::Hybrid => (Shading::by_light(SamplingPolicy::HYBRID, options), unbiased(1)),
             Method::Unbiased { rays } => (unbiased(rays), unbiased(1)),
         };
         let indirect = match options.method {
             Method::Unbiased { rays } => Indirect::Unbiased { rays, seed: options.seed },
             _ => Indirect::Mesh,
         };
-        Self { seen, gathered, indirect }
+        Self { primary: seen, gather: gathered, indirect }
     }
 
     /// The same with other random numbers: what a choice is made by must not be what is chosen for, or the choice has a bias.
     pub(crate) fn reseeded(self) -> Self {
-        let seen = match self.seen {
-            Shading::Exact | Shading::MeanVisibility => self.seen,
-            Shading::ByLight { care, seed } => Shading::ByLight { care, seed: hash(!seed) },
+        let seen = match self.primary {
+            Shading::Exact | Shading::MeanVisibility => self.primary,
+            Shading::PerLight { care, seed } => Shading::PerLight { care, seed: hash(!seed) },
             Shading::Unbiased { rays, seed } => Shading::Unbiased { rays, seed: hash(!seed) },
         };
-        Self { seen, ..self }
+        Self { primary: seen, ..self }
     }
 
     /// How vertices that look at the mesh like this take their direct light.
-    pub(super) fn shading(&self, sight: Sight) -> Shading {
+    pub(super) fn shading(&self, sight: CornerVisibility) -> Shading {
         match sight {
-            Sight::Every | Sight::Unchecked { .. } => self.seen,
-            Sight::One => self.gathered,
+            CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,
+            CornerVisibility::Stochastic => self.gather,
         }
     }
 }

@@ -2,13 +2,15 @@
 
 use glam::{Vec3, Vec4};
 
-use super::field::{DirectField, Field};
+use super::field::{DirectEncoding, DirectField};
 use super::read_lights::LightsReading;
-use super::region_visibility::RegionLights;
-use super::visibility_estimate::Agreement;
-use crate::interaction::Vertex;
+use super::region_visibility::RegionVisibility;
+use super::visibility_estimate::VisibilityEstimate;
+use crate::interaction::ShadingPoint;
 use crate::light::LightSamples;
-use crate::mesh::{Known, Marks, Neighbourhood, Outcome, Reader, Sight, bits as corners_of, usable_part};
+use crate::mesh::{
+    CornerValues, CornerVisibility, Interpolator, Marks, ReadResult, Reader, set_bits as corners_of, usable_fraction,
+};
 use crate::{MissingCorners, Scene};
 
 /// What a vertex finds in the direct mesh.
@@ -17,9 +19,9 @@ pub(crate) enum Reading {
     /// The fraction of the unshadowed irradiance that arrives, per channel.
     Visibility(Vec3),
     /// No point of the neighbourhood can be used, or none knows of any light.
-    Nothing,
+    Unavailable,
     /// Points are missing; they have been marked.
-    Empty,
+    Pending,
 }
 
 /// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
@@ -27,33 +29,33 @@ pub(crate) enum Reading {
 pub(crate) struct DirectReader<'a> {
     pub(super) field: &'a DirectField,
     pub(super) reader: Reader<'a>,
-    pub(super) known: Known,
+    pub(super) known: CornerValues,
     /// By corner, summed over the axes that the normal faces; 0 where it is not known.
     pub(super) visible: [Vec4; 8],
     pub(super) all: [Vec4; 8],
     /// What the points that were read last know of each light.
-    pub(super) agreement: Agreement,
+    pub(super) estimate: VisibilityEstimate,
     pub(super) samples: &'a LightSamples,
     /// Where lights are clusters.
-    pub(super) near: Option<RegionLights<'a>>,
+    pub(super) near: Option<RegionVisibility<'a>>,
     /// By corner: where `near` has what it says.
     pub(super) rows: [u32; 8],
 }
 
 impl DirectField {
     /// A reader for one thread.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> DirectReader<'a> {
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: CornerVisibility) -> DirectReader<'a> {
         DirectReader {
             field: self,
             reader: self.points.reader(scene, sight),
-            known: Known::default(),
+            known: CornerValues::default(),
             visible: [Vec4::ZERO; 8],
             all: [Vec4::ZERO; 8],
-            agreement: Agreement::new(if self.runs.is_some() { 0 } else { scene.lights().lanes() }),
+            estimate: VisibilityEstimate::new(if self.runs.is_some() { 0 } else { scene.lights().lanes() }),
             samples: scene.lights(),
-            near: match self.field {
-                Field::ByLight { falloff } => RegionLights::new(&self.lights, falloff),
-                Field::SixAxis { .. } | Field::Scalar { .. } => None,
+            near: match self.encoding {
+                DirectEncoding::PerLight { falloff } => RegionVisibility::new(&self.lights, falloff),
+                DirectEncoding::SixAxis { .. } | DirectEncoding::Scalar { .. } => None,
             },
             rows: [0; 8],
         }
@@ -63,23 +65,23 @@ impl DirectField {
 impl DirectReader<'_> {
     /// Ĩ(y), formula (3g); points that are still empty are marked.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
         let (mut visible, mut all) = (Vec4::ZERO, Vec4::ZERO);
         if !self.reader.reads_cells() {
             return self.read_points(vertex, marks);
         }
         let seen = match self.reader.corners(vertex, marks) {
             Ok(seen) => seen,
-            Err(Outcome::Empty) => return Reading::Empty,
-            Err(_) => return Reading::Nothing,
+            Err(ReadResult::Pending) => return Reading::Pending,
+            Err(_) => return Reading::Unavailable,
         };
         if seen.refined > 0.0 {
             return self.read_points(vertex, marks);
         }
-        if !self.known.goes_on(vertex.n, self.reader.visits()) {
+        if !self.known.continues(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
             for k in corners_of(seen.mask) {
-                let (v, a) = self.field.fold(self.reader.index(k), vertex.n);
+                let (v, a) = self.field.project(self.reader.index(k), vertex.n);
                 let weight = seen.weights[k / 4][k % 4];
                 visible += v * weight;
                 all += a * weight;
@@ -99,33 +101,33 @@ impl DirectReader<'_> {
     }
 
     /// The same, point by point.
-    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> Reading {
+    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
         let (mut visible, mut all, mut total) = (Vec4::ZERO, Vec4::ZERO, 0.0);
         let outcome = self.reader.read(vertex, marks, |index, weight| {
-            let point = self.field.fold(index, vertex.n);
+            let point = self.field.project(index, vertex.n);
             visible += point.0 * weight;
             all += point.1 * weight;
             total += weight;
         });
         let reading = match outcome {
-            Outcome::Read => ratio(visible.truncate(), all.truncate()),
-            Outcome::Nothing => Reading::Nothing,
-            Outcome::Empty => Reading::Empty,
+            ReadResult::Value => ratio(visible.truncate(), all.truncate()),
+            ReadResult::Unavailable => Reading::Unavailable,
+            ReadResult::Pending => Reading::Pending,
         };
         match self.field.points.neighbourhood {
-            Neighbourhood::TrilinearWith(rule) => with_missing(rule, total, reading),
+            Interpolator::TrilinearWith(rule) => with_missing(rule, total, reading),
             _ => reading,
         }
     }
 
     /// The part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been evaluated. 0
     /// where [`DirectReader::read`] finds nothing.
-    pub(crate) fn usable_part(&mut self, vertex: &Vertex, marks: &Marks) -> f32 {
-        let reads = match self.field.field {
-            Field::ByLight { .. } => self.read_lights(vertex, marks) == LightsReading::Known,
+    pub(crate) fn usable_fraction(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
+        let reads = match self.field.encoding {
+            DirectEncoding::PerLight { .. } => self.read_lights(vertex, marks) == LightsReading::Known,
             _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
         };
-        if reads { usable_part(&mut self.reader, &self.field.points, vertex, marks) } else { 0.0 }
+        if reads { usable_fraction(&mut self.reader, &self.field.points, vertex, marks) } else { 0.0 }
     }
 
     /// Sums up the corners of `mask` for the normal, those that are not known yet.
@@ -134,14 +136,14 @@ impl DirectReader<'_> {
         if self.known.is_empty() {
             (self.visible, self.all) = ([Vec4::ZERO; 8], [Vec4::ZERO; 8]);
         }
-        for k in self.known.learn(mask) {
-            (self.visible[k], self.all[k]) = self.field.fold(self.reader.index(k), n);
+        for k in self.known.add(mask) {
+            (self.visible[k], self.all[k]) = self.field.project(self.reader.index(k), n);
         }
     }
 
     /// Rays shot so far to find out which points vertices see.
-    pub(crate) fn sight_rays(&self) -> u64 {
-        self.reader.sight_rays()
+    pub(crate) fn visibility_rays(&self) -> u64 {
+        self.reader.visibility_rays()
     }
 }
 
@@ -155,9 +157,9 @@ fn with_missing(rule: MissingCorners, share: f32, reading: Reading) -> Reading {
     };
     match reading {
         Reading::Visibility(seen) => Reading::Visibility(missing.lerp(seen, share)),
-        Reading::Nothing if share == 0.0 => Reading::Visibility(missing),
+        Reading::Unavailable if share == 0.0 => Reading::Visibility(missing),
         // Corners are there, but no light reaches them; or points are to be filled first.
-        Reading::Nothing | Reading::Empty => reading,
+        Reading::Unavailable | Reading::Pending => reading,
     }
 }
 
@@ -165,7 +167,7 @@ fn with_missing(rule: MissingCorners, share: f32, reading: Reading) -> Reading {
 fn ratio(visible: Vec3, all: Vec3) -> Reading {
     let sum = all.element_sum();
     if sum <= 0.0 {
-        return Reading::Nothing;
+        return Reading::Unavailable;
     }
     // A channel without light takes what the others say.
     let otherwise = Vec3::splat(visible.element_sum() / sum);

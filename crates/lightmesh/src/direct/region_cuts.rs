@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::visibility_runs::MOST_LEAVES;
-use crate::light::{LightSamples, LightTree, LightsAt, Receivers, Refinement, Tolerance};
+use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, RenderOptions, Scene};
 
 /// Up to so many samples are summed one by one: that takes less time than a cut through more would.
@@ -27,7 +27,7 @@ const KEPT_PART: u64 = 8;
 
 /// The lights of a scene for a mesh: all of them, or a tree and cuts through it.
 #[derive(Debug)]
-pub(crate) struct LightRegions {
+pub(crate) struct RegionCuts {
     tree: Option<LightTree>,
     /// [`TransportOptions::light_error`](crate::TransportOptions::light_error).
     error: f32,
@@ -43,7 +43,7 @@ pub(crate) struct LightRegions {
 /// Cell coordinates, 21 bits each.
 pub(super) type Region = u64;
 
-impl LightRegions {
+impl RegionCuts {
     /// # Errors
     /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into `options.limits.max_memory`.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
@@ -92,10 +92,10 @@ impl LightRegions {
     }
 
     /// The lights as single places see them.
-    pub(crate) fn at<'a>(&'a self, scene: &'a Scene) -> LightsAt<'a> {
+    pub(crate) fn at<'a>(&'a self, scene: &'a Scene) -> LightCut<'a> {
         match &self.tree {
-            Some(tree) => LightsAt::cut(scene.lights(), tree, self.error),
-            None => LightsAt::every(scene.lights()),
+            Some(tree) => LightCut::cut(scene.lights(), tree, self.error),
+            None => LightCut::all(scene.lights()),
         }
     }
 
@@ -113,7 +113,7 @@ impl LightRegions {
         self.keep_cuts(falloff, &order);
     }
 
-    /// [`LightRegions::irradiance`] for those who only read.
+    /// [`RegionCuts::irradiance`] for those who only read.
     pub(crate) fn read_irradiance(&self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
         self.sum(scene, falloff, points, &self.order(points))
     }
@@ -218,7 +218,7 @@ impl LightRegions {
     }
 
     fn sum(&self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)], order: &[(Region, u32)]) -> Vec<Vec3> {
-        let level = scene.level();
+        let level = scene.simd_level();
         let Some(tree) = &self.tree else {
             let mut sums = vec![Vec3::ZERO; points.len()];
             sums.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each_init(Vec::new, |out, (sums, points)| {

@@ -5,22 +5,22 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::region_cuts::{LightRegions, Region};
+use super::region_cuts::{Region, RegionCuts};
 use super::visibility_bits::LightBits;
-use super::visibility_estimate::Agreement;
+use super::visibility_estimate::VisibilityEstimate;
 use super::visibility_runs::LightRuns;
 use crate::Falloff;
 use crate::light::{LightSamples, LightTree, Refinement};
 
 /// The lights around a surface and what mesh points know of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct KnownLights<'a> {
+pub(crate) struct LightCutVisibility<'a> {
     /// Every sample, or what stands for the nodes of a cut.
     pub lights: &'a LightSamples,
     /// Which of their lanes are clusters, if any are.
     pub clusters: Option<Clusters<'a>>,
     /// About these lanes.
-    pub agreement: &'a Agreement,
+    pub estimate: &'a VisibilityEstimate,
 }
 
 /// Lanes that stand for many lights.
@@ -64,8 +64,8 @@ const LEAST_RATIO: f32 = 0.02;
 
 /// The lights of the region that was asked for last; buffers are kept from region to region.
 #[derive(Debug)]
-pub(super) struct RegionLights<'a> {
-    regions: &'a LightRegions,
+pub(super) struct RegionVisibility<'a> {
+    regions: &'a RegionCuts,
     tree: &'a LightTree,
     falloff: Falloff,
     region: Option<Region>,
@@ -82,9 +82,9 @@ pub(super) struct RegionLights<'a> {
     rows: HashMap<u32, u32>,
 }
 
-impl<'a> RegionLights<'a> {
+impl<'a> RegionVisibility<'a> {
     /// `None` where there are no regions.
-    pub(crate) fn new(regions: &'a LightRegions, falloff: Falloff) -> Option<Self> {
+    pub(crate) fn new(regions: &'a RegionCuts, falloff: Falloff) -> Option<Self> {
         let tree = regions.tree()?;
         Some(Self {
             regions,
@@ -137,7 +137,7 @@ impl<'a> RegionLights<'a> {
         self.rows.clear();
     }
 
-    /// Where [`RegionLights::bits`] has what a point says.
+    /// Where [`RegionVisibility::bits`] has what a point says.
     pub(super) fn row(&mut self, runs: &LightRuns, point: u32) -> u32 {
         let next = self.rows.len() as u32;
         let row = *self.rows.entry(point).or_insert(next);
@@ -155,8 +155,8 @@ impl<'a> RegionLights<'a> {
     }
 
     /// The region's lights, with what is known of them.
-    pub(super) fn known<'b>(&'b self, agreement: &'b Agreement) -> KnownLights<'b> {
+    pub(super) fn visibility<'b>(&'b self, agreement: &'b VisibilityEstimate) -> LightCutVisibility<'b> {
         let Self { tree, lights, nodes, least, radii, .. } = self;
-        KnownLights { lights, clusters: Some(Clusters { tree, nodes, least, radii }), agreement }
+        LightCutVisibility { lights, clusters: Some(Clusters { tree, nodes, least, radii }), estimate: agreement }
     }
 }

@@ -8,13 +8,13 @@ use rayon::prelude::*;
 
 use super::exact::Scratch;
 use super::field::DirectField;
-use super::per_light::{ByLight, Lit};
-use super::plan::{Plan, Shading};
+use super::per_light::{PerLightShader, Shaded};
+use super::plan::{LightingPlan, Shading};
 use super::read::{DirectReader, Reading};
 use super::read_lights::LightsReading;
-use crate::interaction::Vertex;
-use crate::light::{LightSamples, LightsAt};
-use crate::mesh::{Marks, Sight};
+use crate::interaction::ShadingPoint;
+use crate::light::{LightCut, LightSamples};
+use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
 use crate::sampling::seed_of_place;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
@@ -24,24 +24,24 @@ const FALLBACK_RAYS: u32 = 64;
 
 /// A list of vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
-pub(crate) struct LitVertices {
-    pub vertices: Vec<Vertex>,
+pub(crate) struct ShadingBatch {
+    pub vertices: Vec<ShadingPoint>,
     /// Direct irradiance of each vertex, lux.
     pub direct: Vec<Vec3>,
     /// Vertices that the mesh has not answered yet.
     waiting: Vec<u32>,
     scratch: Scratch,
-    by_light: ByLight,
+    per_light: PerLightShader,
     shadow_rays: u64,
-    sight_rays: u64,
+    visibility_rays: u64,
     fallbacks: u64,
 }
 
-impl LitVertices {
+impl ShadingBatch {
     /// A shadow ray to each of the light samples from every vertex.
     pub(crate) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
         self.direct.clear();
-        let lights = LightsAt::every(lights);
+        let lights = LightCut::all(lights);
         for vertex in &self.vertices {
             let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
             self.direct.push(irradiance);
@@ -53,7 +53,7 @@ impl LitVertices {
     /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that face any light wait to be shaded.
     fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
         let vertices = self.vertices.iter().map(|vertex| (vertex.position, vertex.n));
-        scene.lights().irradiance(scene.level(), falloff, vertices, &mut self.direct);
+        scene.lights().irradiance(scene.simd_level(), falloff, vertices, &mut self.direct);
         self.await_lit();
     }
 
@@ -80,7 +80,14 @@ impl LitVertices {
 
     /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
     /// waiting.
-    fn shade_by_mesh(&mut self, scene: &Scene, falloff: Falloff, field: &DirectField, marks: &Marks, sight: Sight) {
+    fn shade_by_mesh(
+        &mut self,
+        scene: &Scene,
+        falloff: Falloff,
+        field: &DirectField,
+        marks: &Marks,
+        sight: CornerVisibility,
+    ) {
         let mut reader = field.reader(scene, sight);
         let mut lights = field.lights().at(scene);
         let Self { waiting, vertices, direct, scratch, shadow_rays, fallbacks, .. } = self;
@@ -88,40 +95,40 @@ impl LitVertices {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
             match reader.read(vertex, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
-                Reading::Nothing => {
-                    lights.look_from(vertex.position, falloff);
+                Reading::Unavailable => {
+                    lights.set_receiver(vertex.position, falloff);
                     let (exact, rays) = scratch.irradiance(scene, &lights, falloff, vertex);
                     *irradiance = exact;
                     *shadow_rays += rays;
                     *fallbacks += 1;
                 }
-                Reading::Empty => return true,
+                Reading::Pending => return true,
             }
             false
         });
-        self.sight_rays += reader.sight_rays();
+        self.visibility_rays += reader.visibility_rays();
     }
 
     /// The same, light by light.
-    fn shade_by_light(
+    fn shade_per_light(
         &mut self,
         scene: &Scene,
         falloff: Falloff,
         field: &DirectField,
         marks: &Marks,
-        (shading, sight): (Shading, Sight),
+        (shading, sight): (Shading, CornerVisibility),
     ) {
         let sight = match (shading, sight) {
-            (Shading::ByLight { .. }, Sight::Every) => Sight::Unchecked { finer: true },
-            (_, Sight::One) => Sight::Unchecked { finer: false },
+            (Shading::PerLight { .. }, CornerVisibility::All) => CornerVisibility::Deferred { finer: true },
+            (_, CornerVisibility::Stochastic) => CornerVisibility::Deferred { finer: false },
             _ => sight,
         };
         let reader = field.reader(scene, sight);
-        dispatch!(scene.level(), simd => self.shade_by_light_simd(simd, scene, falloff, (field, reader, marks), shading));
+        dispatch!(scene.simd_level(), simd => self.shade_per_light_simd(simd, scene, falloff, (field, reader, marks), shading));
     }
 
     #[inline(always)]
-    fn shade_by_light_simd<S: Simd>(
+    fn shade_per_light_simd<S: Simd>(
         &mut self,
         simd: S,
         scene: &Scene,
@@ -130,8 +137,8 @@ impl LitVertices {
         shading: Shading,
     ) {
         let clusters = field.lights().has_clusters();
-        let (every, mut lights) = (LightsAt::every(scene.lights()), field.lights().at(scene));
-        let Self { waiting, vertices, direct, scratch, by_light, shadow_rays, fallbacks, .. } = self;
+        let (every, mut lights) = (LightCut::all(scene.lights()), field.lights().at(scene));
+        let Self { waiting, vertices, direct, scratch, per_light: by_light, shadow_rays, fallbacks, .. } = self;
         if clusters {
             // Neighbours share what is known of a region.
             waiting.sort_by_cached_key(|&i| (field.lights().region(vertices[i as usize].position), i));
@@ -141,22 +148,24 @@ impl LitVertices {
             let surface = waiting[at];
             let vertex = &vertices[surface as usize];
             let reading = reader.read_lights(vertex, marks);
-            if reading == LightsReading::Empty {
+            if reading == LightsReading::Pending {
                 waiting[kept] = surface;
                 kept += 1;
                 continue;
             }
-            let lit = |seed| Lit {
+            let lit = |seed| Shaded {
                 scene,
                 falloff,
                 vertex,
                 surface,
-                known: reader.known_lights(),
+                lights: reader.lights(),
                 seed: seed ^ seed_of_place(vertex.position),
                 origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {
-                (LightsReading::Known, Shading::ByLight { care, seed }) => by_light.with_care(simd, &lit(seed), care),
+                (LightsReading::Known, Shading::PerLight { care, seed }) => {
+                    by_light.sample_by_policy(simd, &lit(seed), care)
+                }
                 // More rays than lights: each gets its own.
                 (LightsReading::Known, Shading::Unbiased { rays, seed }) if (rays as usize) < scene.lights().len() => {
                     by_light.unbiased(simd, &lit(seed), rays)
@@ -170,9 +179,9 @@ impl LitVertices {
                 }
                 (reading, _) => {
                     *fallbacks += u64::from(reading != LightsReading::Known);
-                    let by_cut = clusters && matches!(shading, Shading::ByLight { .. });
+                    let by_cut = clusters && matches!(shading, Shading::PerLight { .. });
                     if by_cut {
-                        lights.look_from(vertex.position, falloff);
+                        lights.set_receiver(vertex.position, falloff);
                     }
                     let seen = if by_cut { &lights } else { &every };
                     let (exact, rays) = scratch.irradiance(scene, seen, falloff, vertex);
@@ -186,18 +195,18 @@ impl LitVertices {
         }
         waiting.truncate(kept);
         *shadow_rays += by_light.shoot(scene, direct);
-        self.sight_rays += reader.sight_rays();
+        self.visibility_rays += reader.visibility_rays();
     }
 
-    /// Rays since the last call of [`LitVertices::take_counts`].
+    /// Rays since the last call of [`ShadingBatch::take_counts`].
     pub(crate) fn rays(&self) -> u64 {
-        self.shadow_rays + self.sight_rays
+        self.shadow_rays + self.visibility_rays
     }
 
     /// Moves the counts of rays and fallbacks into the frame's.
     pub(crate) fn take_counts(&mut self, stats: &mut RenderStats) {
         stats.rays.shadow += std::mem::take(&mut self.shadow_rays);
-        stats.rays.secondary += std::mem::take(&mut self.sight_rays);
+        stats.rays.secondary += std::mem::take(&mut self.visibility_rays);
         stats.exact_fallbacks += std::mem::take(&mut self.fallbacks);
     }
 }
@@ -206,7 +215,7 @@ impl LitVertices {
 pub(crate) struct DirectLighting<'a, 'b> {
     pub scene: &'a Scene,
     pub options: &'a RenderOptions,
-    pub plan: Plan,
+    pub plan: LightingPlan,
     pub field: &'a mut DirectField,
     pub marks: &'a mut Marks,
     pub reporter: &'a Reporter<'b>,
@@ -219,14 +228,18 @@ impl DirectLighting<'_, '_> {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn light(&mut self, sight: Sight, lists: &mut [&mut LitVertices]) -> Result<LightSeconds, Error> {
+    pub(crate) fn light(
+        &mut self,
+        sight: CornerVisibility,
+        lists: &mut [&mut ShadingBatch],
+    ) -> Result<LightSeconds, Error> {
         let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let shading = self.plan.shading(sight);
         let started = Instant::now();
         let mut seconds = LightSeconds::default();
         match shading {
             Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
-            Shading::ByLight { .. } | Shading::Unbiased { .. } => {
+            Shading::PerLight { .. } | Shading::Unbiased { .. } => {
                 if self.field.lights().has_clusters() {
                     let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
                     self.field.lights_mut().prepare(falloff, &vertices.collect::<Vec<_>>());
@@ -253,7 +266,7 @@ impl DirectLighting<'_, '_> {
             lists.par_iter_mut().for_each(|list| match shading {
                 Shading::Exact => {}
                 Shading::MeanVisibility => list.shade_by_mesh(scene, falloff, field, marks, sight),
-                _ => list.shade_by_light(scene, falloff, field, marks, (shading, sight)),
+                _ => list.shade_per_light(scene, falloff, field, marks, (shading, sight)),
             });
             let waiting = lists.iter().any(|list| !list.waiting.is_empty());
             let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };

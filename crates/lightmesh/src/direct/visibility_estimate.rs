@@ -4,36 +4,36 @@ use glam::{Vec3, Vec4};
 
 use super::visibility_bits::LightBits;
 use crate::light::LANES;
-use crate::mesh::{ByCorner, ONES, bits as corners_of};
+use crate::mesh::{ByCorner, ONES, set_bits as corners_of};
 
 /// Most points that are heard.
 const MAX_POINTS: usize = 32;
 
 /// What some mesh points say of each light together. Votes are kept as long as the same points are read.
 #[derive(Debug)]
-pub(crate) struct Agreement {
+pub(crate) struct VisibilityEstimate {
     /// Who reads: whose votes have been counted.
-    counted: Voters,
+    counted: Sources,
     points: Vec<u32>,
     /// φ4 of each voter, four by four, in all 1; only as many of them as there are voters are used.
     weights: [Vec4; MAX_POINTS / 4],
     /// Fours of weights that are used.
     fours: usize,
     /// By lane: 1 where all points receive the whole of a light, 0 where none receives any or they disagree.
-    pub sure: Vec<f32>,
+    pub certain: Vec<f32>,
     /// By block: the lanes about which they disagree, a bit each.
-    disputed: Vec<u32>,
+    partial: Vec<u32>,
     /// What the points say of each disputed lane, ascending: `seen` and `open`, a bit per voter.
-    votes: Vec<(u32, u32)>,
+    rows: Vec<(u32, u32)>,
     /// Lights on this side of the surface may be hidden by what hides points there; zero: no point is hidden.
-    pub doubt: Vec3,
+    pub occluder_direction: Vec3,
     /// Whether something stands near the surface, so that the points may all miss its shadow.
-    pub cluttered: bool,
+    pub near_occluder: bool,
 }
 
 /// Some points that vote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Voters {
+enum Sources {
     Nobody,
     /// Corners of the cell that a reader is in, as long as it stays there: its visit, and a bit per corner.
     Corners(u64, u8),
@@ -41,46 +41,46 @@ enum Voters {
     Listed,
 }
 
-impl Agreement {
+impl VisibilityEstimate {
     /// Of no points, about so many lanes.
     pub(crate) fn new(lanes: usize) -> Self {
         Self {
-            counted: Voters::Nobody,
+            counted: Sources::Nobody,
             points: Vec::new(),
             weights: [Vec4::ZERO; MAX_POINTS / 4],
             fours: 0,
-            sure: vec![0.0; lanes],
-            disputed: vec![0; lanes / LANES],
-            votes: Vec::new(),
-            doubt: Vec3::ZERO,
-            cluttered: false,
+            certain: vec![0.0; lanes],
+            partial: vec![0; lanes / LANES],
+            rows: Vec::new(),
+            occluder_direction: Vec3::ZERO,
+            near_occluder: false,
         }
     }
 
     /// Forgets what was said: now it is about so many other lanes.
     pub(super) fn restart(&mut self, lanes: usize) {
-        self.counted = Voters::Nobody;
-        self.sure.clear();
-        self.sure.resize(lanes, 0.0);
-        self.disputed.clear();
-        self.disputed.resize(lanes / LANES, 0);
+        self.counted = Sources::Nobody;
+        self.certain.clear();
+        self.certain.resize(lanes, 0.0);
+        self.partial.clear();
+        self.partial.resize(lanes / LANES, 0);
     }
 
     /// Takes that nobody says anything: no light is expected, and none is disputed.
-    pub(super) fn ask_nobody(&mut self) {
-        self.restart(self.sure.len());
-        (self.doubt, self.cluttered) = (Vec3::ZERO, true);
+    pub(super) fn clear(&mut self) {
+        self.restart(self.certain.len());
+        (self.occluder_direction, self.near_occluder) = (Vec3::ZERO, true);
     }
 
     /// Whether the votes of these corners have been counted.
     #[inline(always)]
     pub(super) fn knows(&self, (visit, mask): (u64, u8)) -> bool {
-        self.counted == Voters::Corners(visit, mask)
+        self.counted == Sources::Corners(visit, mask)
     }
 
     /// Takes what corners of a cell say; `index` tells which points they are, `weights` are 0 for other corners.
     #[inline(always)]
-    pub(super) fn ask_corners(
+    pub(super) fn set_corners(
         &mut self,
         bits: &LightBits,
         (visit, mask): (u64, u8),
@@ -91,7 +91,7 @@ impl Agreement {
             self.points.clear();
             self.points.extend(corners_of(mask).map(index));
             self.count(bits, corners_of(mask));
-            self.counted = Voters::Corners(visit, mask);
+            self.counted = Sources::Corners(visit, mask);
         }
         let scale = 1.0 / (weights[0].element_sum() + weights[1].element_sum());
         self.fours = 2;
@@ -100,13 +100,13 @@ impl Agreement {
     }
 
     /// Takes what some points say, each with its weight φ4; of too many the first ones.
-    pub(super) fn ask(&mut self, bits: &LightBits, points: &[(u32, f32)]) {
+    pub(super) fn set_points(&mut self, bits: &LightBits, points: &[(u32, f32)]) {
         let points = &points[..points.len().min(MAX_POINTS)];
-        if self.counted != Voters::Listed || !self.points.iter().eq(points.iter().map(|(point, _)| point)) {
+        if self.counted != Sources::Listed || !self.points.iter().eq(points.iter().map(|(point, _)| point)) {
             self.points.clear();
             self.points.extend(points.iter().map(|&(point, _)| point));
             self.count(bits, 0..points.len());
-            self.counted = Voters::Listed;
+            self.counted = Sources::Listed;
         }
         let scale = 1.0 / points.iter().map(|(_, weight)| weight).sum::<f32>();
         self.fours = points.len().div_ceil(4);
@@ -118,14 +118,14 @@ impl Agreement {
 
     /// Counts the votes of the points, each of which votes with its own bit.
     pub(crate) fn count(&mut self, bits: &LightBits, places: impl Iterator<Item = usize>) {
-        self.votes.clear();
+        self.rows.clear();
         let mut voters = [(0, 0); MAX_POINTS];
         let voters = &mut voters[..self.points.len()];
         for ((voter, &point), place) in voters.iter_mut().zip(&self.points).zip(places) {
             *voter = (point, place);
         }
         let mut rows = [(0, 0, 0); MAX_POINTS];
-        for (word, sure) in self.sure.chunks_mut(64).enumerate() {
+        for (word, sure) in self.certain.chunks_mut(64).enumerate() {
             let (mut all, mut any) = (u64::MAX, 0);
             let rows = &mut rows[..voters.len()];
             for (row, &(point, place)) in rows.iter_mut().zip(&*voters) {
@@ -138,10 +138,10 @@ impl Agreement {
                 *sure = (all >> bit & 1) as f32;
             }
             let disputed = any & !all;
-            for (i, block) in self.disputed[word * 64 / LANES..].iter_mut().take(64 / LANES).enumerate() {
+            for (i, block) in self.partial[word * 64 / LANES..].iter_mut().take(64 / LANES).enumerate() {
                 *block = (disputed >> (i * LANES)) as u32 & ((1 << LANES) - 1);
             }
-            self.votes.extend(ones(disputed).map(|bit| {
+            self.rows.extend(ones(disputed).map(|bit| {
                 rows.iter().fold((0, 0), |(seen_by, open_to), &(seen, open, place)| {
                     (seen_by | ((seen >> bit & 1) as u32) << place, open_to | ((open >> bit & 1) as u32) << place)
                 })
@@ -152,14 +152,14 @@ impl Agreement {
     /// The lanes of each block about which the points disagree, a bit each. The disputes of the blocks, in this order, are numbered
     /// from 0.
     #[inline(always)]
-    pub(crate) fn disputed(&self) -> &[u32] {
-        &self.disputed
+    pub(crate) fn partial(&self) -> &[u32] {
+        &self.partial
     }
 
     /// V̂ of the light of a dispute: the weighted mean of what the points say, a half for those that cannot tell.
     #[inline(always)]
     pub(crate) fn estimate(&self, dispute: usize) -> f32 {
-        let (seen, open) = self.votes[dispute];
+        let (seen, open) = self.rows[dispute];
         let sum = |voters: u32| -> f32 {
             let four = |i: usize| self.weights[i] * ONES[(voters >> (4 * i) & 15) as usize];
             (0..self.fours).map(four).sum::<Vec4>().element_sum()
@@ -194,30 +194,30 @@ mod tests {
     #[test]
     fn agreement_is_told_from_dispute() {
         let bits = two_points();
-        let mut agreement = Agreement::new(16);
+        let mut agreement = VisibilityEstimate::new(16);
         let mut ask = |weights: [f32; 2]| {
-            agreement.ask(&bits, &[(0, weights[0]), (1, weights[1])]);
+            agreement.set_points(&bits, &[(0, weights[0]), (1, weights[1])]);
             [0, 1].map(|i| agreement.estimate(i))
         };
         assert_eq!(ask([3.0, 1.0]), [0.75, 0.125]);
         // The same points again: other weights, the same votes.
         assert_eq!(ask([1.0, 1.0]), [0.5, 0.25]);
-        assert_eq!(agreement.disputed(), [0b1100]);
-        assert_eq!(agreement.sure[..4], [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(agreement.partial(), [0b1100]);
+        assert_eq!(agreement.certain[..4], [1.0, 0.0, 0.0, 0.0]);
     }
 
     /// The same two points as corners 1 and 6 of a cell; then corner 6 alone: it sees lane 0 and cannot tell about lane 3.
     #[test]
     fn corners_vote_as_points_do() {
         let bits = two_points();
-        let mut agreement = Agreement::new(16);
+        let mut agreement = VisibilityEstimate::new(16);
         let index = |k: usize| u32::from(k == 6);
         let weights = [Vec4::new(0.0, 0.3, 0.0, 0.0), Vec4::new(0.0, 0.0, 0.1, 0.0)];
-        agreement.ask_corners(&bits, (1, 1 << 1 | 1 << 6), &weights, index);
+        agreement.set_corners(&bits, (1, 1 << 1 | 1 << 6), &weights, index);
         assert!((agreement.estimate(0) - 0.75).abs() < 1e-6 && (agreement.estimate(1) - 0.125).abs() < 1e-6);
-        agreement.ask_corners(&bits, (1, 1 << 6), &[Vec4::ZERO, weights[1]], index);
-        assert_eq!(agreement.disputed(), [0b1000]);
+        agreement.set_corners(&bits, (1, 1 << 6), &[Vec4::ZERO, weights[1]], index);
+        assert_eq!(agreement.partial(), [0b1000]);
         assert!((agreement.estimate(0) - 0.5).abs() < 1e-6);
-        assert_eq!(agreement.sure[..4], [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(agreement.certain[..4], [1.0, 0.0, 0.0, 0.0]);
     }
 }

@@ -1,8 +1,8 @@
 //! A light mesh that several processes fill together, before each of them reads it.
 //!
 //! 1. [`demand`] says which points the samples of a picture's waves read; each process does so for some waves, and the answers are
-//!    [joined](Wanted::join).
-//! 2. Points of the indirect mesh are gathered for in groups ([`Gathering`]); their rays ask for further points of both meshes, until there are no
+//!    [joined](PointRequests::merge).
+//! 2. Points of the indirect mesh are gathered for in groups ([`GatherBatch`]); their rays ask for further points of both meshes, until there are no
 //!    new ones.
 //! 3. Points of the direct mesh are filled brick by brick ([`fill_direct`]).
 //! 4. Groups take the direct light where their rays end, and exchange what arrives at their points, reflection after reflection.
@@ -12,13 +12,13 @@
 use std::ops::Range;
 use std::time::Instant;
 
-pub use super::gather_batch::{Gathering, LevelValues};
+pub use super::gather_batch::{BounceValues, GatherBatch};
 use super::partial_image::{PictureSamples, Prepared, check_waves, film_of};
 use super::waves::demand_of_portion;
-use crate::film::Watch;
-use crate::light_mesh::take_all;
+use crate::film::RenderClock;
+use crate::light_mesh::take_requests;
 use crate::mesh::requests;
-pub use crate::mesh::{BrickPoints, Wanted};
+pub use crate::mesh::{BrickMask, PointRequests};
 use crate::progress::Reporter;
 use crate::{Camera, Error, LightMesh, Progress, RayCounts, RenderOptions, Scene, Stage};
 
@@ -34,18 +34,18 @@ pub fn demand(
     mesh: &mut LightMesh,
     (prepared, samples, waves): (&Prepared, PictureSamples<'_>, Range<u64>),
     progress: &dyn Progress,
-) -> Result<Wanted, Error> {
+) -> Result<PointRequests, Error> {
     if !options.method.has_mesh() {
-        return Ok(Wanted::default());
+        return Ok(PointRequests::default());
     }
     prepared.check(mesh)?;
     mesh.check_compatible(options)?;
     let mut film = film_of(scene, camera, options, samples)?;
     check_waves(&film, &waves)?;
     film.begin_portion(waves);
-    let mut watch = Watch::new(progress, None, Instant::now(), None);
+    let mut watch = RenderClock::new(progress, None, Instant::now(), None);
     let marks = demand_of_portion(scene, &mut film, options, (mesh, prepared.plan), &mut watch)?;
-    Ok(marks.map_or_else(Wanted::default, take_all))
+    Ok(marks.map_or_else(PointRequests::default, take_requests))
 }
 
 /// Evaluates points of the direct mesh, those that are there already left out. The rays that it took.
@@ -56,7 +56,7 @@ pub fn fill_direct(
     scene: &Scene,
     options: &RenderOptions,
     mesh: &mut LightMesh,
-    bricks: &[BrickPoints],
+    bricks: &[BrickMask],
     progress: &dyn Progress,
 ) -> Result<RayCounts, Error> {
     options.validate()?;

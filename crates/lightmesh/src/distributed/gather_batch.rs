@@ -3,7 +3,7 @@
 //!
 //! | step | here | needs of the others |
 //! |---|---|---|
-//! | gather | rays from the points, and which points their hits read ([`Gathering::wanted`]) | nothing |
+//! | gather | rays from the points, and which points their hits read ([`GatherBatch::requests`]) | nothing |
 //! | light | the direct light where the rays end | the points of the direct mesh there |
 //! | bounce k | T_k, for k = 0 … N | T_{k−1} of the points that the hits read |
 //!
@@ -13,41 +13,41 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::direct::{DirectLighting, Plan};
-use crate::indirect::{Gather, Gathered, IndirectField, POINTS_AT_ONCE, sphere_directions};
-use crate::light_mesh::{Contents, IndirectContents, LightMesh, PointCounts};
-use crate::mesh::{Address, BrickPoints, Coordinate, Sight, Wanted, requests};
+use crate::direct::{DirectLighting, LightingPlan};
+use crate::indirect::{GatherRays, GatheredLight, IndirectField, POINTS_AT_ONCE, sphere_directions};
+use crate::light_mesh::{IndirectSnapshot, LightMesh, PointCursor, Snapshot};
+use crate::mesh::{Address, BrickMask, Coordinate, CornerVisibility, PointRequests, requests};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Points of the indirect mesh that are being filled.
 #[derive(Debug)]
-pub struct Gathering {
+pub struct GatherBatch {
     /// A mesh of these points alone, which come first, and of those that their hits read.
     pub(super) field: IndirectField,
     own: usize,
     /// Of its points, those inside solids.
     pub(super) own_invalid: usize,
     /// The rays, until they have light.
-    gathers: Vec<Gather>,
-    gathered: Gathered,
+    gathers: Vec<GatherRays>,
+    light: GatheredLight,
     /// What it took so far.
     pub rays: RayCounts,
 }
 
 /// The light T_k of some points after k reflections or fewer, that of lamps left out.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LevelValues {
+pub struct BounceValues {
     /// Refinement and lattice coordinates of each point, ascending.
     pub points: Vec<[u32; 4]>,
     /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
-    /// [`Method::PAPER`](crate::options::Method::PAPER) formula (4), one colour.
+    /// [`Method::Paper`](crate::options::Method::PAPER) formula (4), one colour.
     pub values: Vec<f32>,
 }
 
-impl LevelValues {
+impl BounceValues {
     /// The points of several parts, which have none in common.
-    pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
+    pub fn merge<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut all: Vec<([u32; 4], &[f32])> = Vec::new();
         for part in parts.into_iter().filter(|part| !part.points.is_empty()) {
             let one = part.values.len() / part.points.len();
@@ -61,7 +61,7 @@ impl LevelValues {
     }
 }
 
-impl Gathering {
+impl GatherBatch {
     /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others and looks which
     /// points their hits read. `mesh` only says how; it need not have any points.
     ///
@@ -71,7 +71,7 @@ impl Gathering {
         scene: &Scene,
         options: &RenderOptions,
         mesh: &LightMesh,
-        bricks: &[BrickPoints],
+        bricks: &[BrickMask],
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         options.validate()?;
@@ -88,9 +88,9 @@ impl Gathering {
         let reporter = Reporter::new(progress, Stage::Fill, own as u64);
 
         let directions = sphere_directions(field.gather_rays);
-        let mut gathers: Vec<Gather> = Vec::new();
-        let mut gathered = Gathered::default();
-        gathers.resize_with(own, Gather::default);
+        let mut gathers: Vec<GatherRays> = Vec::new();
+        let mut gathered = GatheredLight::default();
+        gathers.resize_with(own, GatherRays::default);
         for (batch, first) in gathers.chunks_mut(POINTS_AT_ONCE).zip((0..).step_by(POINTS_AT_ONCE)) {
             field.shoot((scene, options), first, &directions, batch);
             let linked = field.link(scene, &mut marks, batch, 0, &mut gathered)?;
@@ -101,7 +101,7 @@ impl Gathering {
                 return Err(Error::Cancelled);
             }
         }
-        Ok(Self { field, own, own_invalid, gathers, gathered, rays })
+        Ok(Self { field, own, own_invalid, gathers, light: gathered, rays })
     }
 
     /// How many points it is for, those inside solids left out.
@@ -116,23 +116,24 @@ impl Gathering {
 
     /// Memory, bytes: some 12 KiB a point with 256 rays, five times that until it has light.
     pub fn bytes(&self) -> u64 {
-        let rays: usize = self.gathers.iter().map(Gather::bytes).sum();
-        rays as u64 + self.gathered.bytes() + self.field.stats().bytes
+        let rays: usize = self.gathers.iter().map(GatherRays::bytes).sum();
+        rays as u64 + self.light.bytes() + self.field.stats().bytes
     }
 
     /// The points of both meshes that the hits read.
-    pub fn wanted(&self, scene: &Scene, mesh: &LightMesh) -> Wanted {
+    pub fn requests(&self, scene: &Scene, mesh: &LightMesh) -> PointRequests {
         let mut direct = mesh.direct.marks();
         if self.field.links() {
             let points = mesh.direct.points();
-            let mark = |gather: &Gather| points.demand(scene, &gather.lit.vertices, &direct, Sight::One);
+            let mark =
+                |gather: &GatherRays| points.demand(scene, &gather.lit.vertices, &direct, CornerVisibility::Stochastic);
             self.gathers.par_iter().for_each(mark);
         }
         let mut indirect = self.field.points().marks();
         for index in self.own..self.field.points().len() {
             self.field.points().mark(self.field.points().address(index), &indirect);
         }
-        Wanted { direct: requests::take(&mut direct), indirect: requests::take(&mut indirect) }
+        PointRequests { direct: requests::take(&mut direct), indirect: requests::take(&mut indirect) }
     }
 
     /// Takes the direct light where the rays end from the mesh; what that lacks is filled. The rays are then given up. A second time does
@@ -151,10 +152,10 @@ impl Gathering {
         let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
         let mut stats = RenderStats::default();
         let mut marks = mesh.direct.marks();
-        let (field, marks, plan) = (&mut mesh.direct, &mut marks, Plan::of(options));
+        let (field, marks, plan) = (&mut mesh.direct, &mut marks, LightingPlan::of(options));
         let mut direct = DirectLighting { scene, options, plan, field, marks, reporter: &reporter, stats: &mut stats };
         for batch in std::mem::take(&mut self.gathers).chunks_mut(POINTS_AT_ONCE) {
-            self.field.light(&mut direct, batch, &mut self.gathered)?;
+            self.field.light(&mut direct, batch, &mut self.light)?;
             reporter.add(batch.len() as u64, 0);
         }
         self.rays += stats.rays;
@@ -166,33 +167,34 @@ impl Gathering {
     ///
     /// # Errors
     /// [`Error::InvalidReflection`] where a point is missing below, or the level is not the next.
-    pub fn bounce(&mut self, scene: &Scene, k: u32, below: &LevelValues) -> Result<LevelValues, Error> {
+    pub fn bounce(&mut self, scene: &Scene, k: u32, below: &BounceValues) -> Result<BounceValues, Error> {
         let bad = |what: String| Err(Error::InvalidReflection { what });
-        let (k, sides) = (k as usize, self.field.sides.count());
-        if k >= self.field.levels.len() || (k > 0 && self.field.levels[k - 1].is_empty() && self.own > 0) {
-            return bad(format!("reflection {k} is not the next of {}", self.field.levels.len() - 1));
+        let (k, sides) = (k as usize, self.field.faces.count());
+        if k >= self.field.bounce_values.len() || (k > 0 && self.field.bounce_values[k - 1].is_empty() && self.own > 0)
+        {
+            return bad(format!("reflection {k} is not the next of {}", self.field.bounce_values.len() - 1));
         }
-        if self.field.levels[k].is_empty() {
-            if k > 0 && self.gathered.reads_points() {
+        if self.field.bounce_values[k].is_empty() {
+            if k > 0 && self.light.reads_points() {
                 self.take_below(k - 1, below)?;
             }
-            let level = self.field.level(scene, k, &self.gathered);
-            self.field.levels[k] = level;
+            let level = self.field.level(scene, k, &self.light);
+            self.field.bounce_values[k] = level;
         }
-        let own = &self.field.levels[k][..self.own * sides];
+        let own = &self.field.bounce_values[k][..self.own * sides];
         let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
         let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
-        Ok(LevelValues::join([&LevelValues { points, values }]))
+        Ok(BounceValues::merge([&BounceValues { points, values }]))
     }
 
     /// Puts T_k of the points that others fill behind those of its own.
-    fn take_below(&mut self, k: usize, below: &LevelValues) -> Result<(), Error> {
-        let sides = self.field.sides.count();
+    fn take_below(&mut self, k: usize, below: &BounceValues) -> Result<(), Error> {
+        let sides = self.field.faces.count();
         let bad = |what: String| Err(Error::InvalidReflection { what });
         if below.values.len() != below.points.len() * sides * 3 {
             return bad(format!("{} numbers are not {} colours a point", below.values.len(), sides));
         }
-        let level = &mut self.field.levels[k];
+        let level = &mut self.field.bounce_values[k];
         level.truncate(self.own * sides);
         for index in self.own..self.field.points.len() {
             let point = numbers(self.field.points.address(index));
@@ -216,35 +218,35 @@ impl IndirectField {
     fn without_points(&self) -> Self {
         Self {
             points: self.points.without_points(),
-            sides: self.sides,
+            faces: self.faces,
             gather_rays: self.gather_rays,
             depth: self.depth,
             seed: self.seed,
-            levels: vec![Vec::new(); self.levels.len()],
-            hit_irradiance: (0.0, 0),
+            bounce_values: vec![Vec::new(); self.bounce_values.len()],
+            gather_hit_irradiance: (0.0, 0),
             max_memory: self.max_memory,
         }
     }
 }
 
-impl Gathering {
+impl GatherBatch {
     /// What the mesh that it was made with is to know of its points, when they have all their levels.
     ///
     /// # Errors
     /// [`Error::InvalidReflection`] before that.
-    pub fn contents(&self, mesh: &LightMesh) -> Result<Contents, Error> {
+    pub fn contents(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
-        if self.field.levels.iter().any(|level| level.len() < own.len() * self.field.sides.count()) {
+        if self.field.bounce_values.iter().any(|level| level.len() < own.len() * self.field.faces.count()) {
             return Err(Error::InvalidReflection { what: "the last one is still to come".into() });
         }
-        let (hit_irradiance, hit_count) = self.field.hit_irradiance;
-        let mut points = self.field.points.contents_since(PointCounts::default());
+        let (hit_irradiance, hit_count) = self.field.gather_hit_irradiance;
+        let mut points = self.field.points.snapshot_since(PointCursor::default());
         points.addresses.truncate(own.len());
         points.clearances.truncate(own.len());
         points.invalid.truncate(self.own_invalid);
-        let indirect = IndirectContents { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
-        let nothing = mesh.direct.points.contents_since(mesh.direct.points.counts());
+        let indirect = IndirectSnapshot { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
+        let nothing = mesh.direct.points.snapshot_since(mesh.direct.points.cursor());
         let direct = mesh.direct.contents(nothing, std::iter::empty());
-        Ok(Contents { direct, indirect: Some(indirect) })
+        Ok(Snapshot { direct, indirect: Some(indirect) })
     }
 }

@@ -5,4 +5,4 @@ mod gather_batch;
 pub mod partial_image;
 mod waves;
 
-pub use gather_batch::{Gathering, LevelValues};
+pub use gather_batch::{BounceValues, GatherBatch};

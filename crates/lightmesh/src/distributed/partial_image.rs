@@ -12,8 +12,8 @@ use std::time::Instant;
 
 use super::waves::{plan_waves, render_portion_on};
 use crate::api::new_film;
-use crate::direct::Plan;
-use crate::film::{Film, Watch};
+use crate::direct::LightingPlan;
+use crate::film::{Film, RenderClock};
 use crate::integrator::Lighting;
 use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
@@ -21,7 +21,7 @@ use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOption
 /// finer. The same wherever it is found out.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    pub(crate) plan: Plan,
+    pub(crate) plan: LightingPlan,
     /// Of the mesh that has been refined for it.
     preparation: u64,
     /// What it took; [`RenderStats::estimated_error`] is that of the picture.
@@ -31,7 +31,7 @@ pub struct Prepared {
 impl Prepared {
     /// Whether the mesh is still ready for the picture, and no other one.
     pub fn holds(&self, mesh: &LightMesh) -> bool {
-        mesh.preparation() == self.preparation
+        mesh.generation() == self.preparation
     }
 
     /// Refuses a mesh that is not ready for the picture.
@@ -69,7 +69,7 @@ pub struct Portion {
     /// By pixel, in the order in which they are sampled (tiles of 32 × 32 pixels): the sums of its samples' red, green and blue, cd/m²,
     /// and of the layers' channels.
     pub values: Vec<f32>,
-    /// By pixel, what was seen of lamps, as in [`Outlines::seen`]; empty where there are none.
+    /// By pixel, what was seen of lamps, as in [`crate::film::Film::copy_seen`]; empty where there are none.
     pub seen: Vec<u8>,
     /// Rays and seconds.
     pub stats: RenderStats,
@@ -99,12 +99,12 @@ pub fn prepare(
 ) -> Result<Prepared, Error> {
     check(options)?;
     let film = new_film(scene, camera, options);
-    let mut watch = Watch::new(progress, None, Instant::now(), None);
+    let mut watch = RenderClock::new(progress, None, Instant::now(), None);
     let (plan, stats) = match lighting(options, mesh)? {
         Some(lighting) => plan_waves(scene, &film, options, lighting, &mut watch)?,
-        None => (Plan::of(options), RenderStats::default()),
+        None => (LightingPlan::of(options), RenderStats::default()),
     };
-    Ok(Prepared { plan, preparation: mesh.preparation(), stats })
+    Ok(Prepared { plan, preparation: mesh.generation(), stats })
 }
 
 /// Takes the samples of some waves of a picture; what the mesh lacks for them is filled.
@@ -128,7 +128,7 @@ pub fn render(
     film.begin_portion(waves.clone());
     let started = Instant::now();
     let lighting = lighting(options, mesh)?.map(|lighting| (lighting, prepared.plan));
-    let mut watch = Watch::new(progress, None, started, None);
+    let mut watch = RenderClock::new(progress, None, started, None);
     let mut stats = render_portion_on(scene, &mut film, options, lighting, &mut watch)?;
     stats.seconds.render = started.elapsed().as_secs_f64();
     stats.estimated_error = prepared.stats.estimated_error;

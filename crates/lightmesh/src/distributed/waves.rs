@@ -1,7 +1,7 @@
 //! A picture's light by portions: the same waves as in one go, some of them at a time.
 
-use crate::direct::Plan;
-use crate::film::{Film, Watch};
+use crate::direct::LightingPlan;
+use crate::film::{Film, RenderClock};
 use crate::integrator::{Lighting, Purpose, WaveFrame, trace_pass};
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::progress::Reporter;
@@ -13,8 +13,8 @@ pub(crate) fn plan_waves(
     film: &Film,
     options: &RenderOptions,
     lighting: Lighting<'_>,
-    watch: &mut Watch<'_>,
-) -> Result<(Plan, RenderStats), Error> {
+    watch: &mut RenderClock<'_>,
+) -> Result<(LightingPlan, RenderStats), Error> {
     let mut frame = WaveFrame::new(scene, options, lighting);
     let mut stats = RenderStats::default();
     frame.prepare(film, watch, &mut stats)?;
@@ -26,8 +26,8 @@ pub(crate) fn render_portion_on(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    lighting: Option<(Lighting<'_>, Plan)>,
-    watch: &mut Watch<'_>,
+    lighting: Option<(Lighting<'_>, LightingPlan)>,
+    watch: &mut RenderClock<'_>,
 ) -> Result<RenderStats, Error> {
     let mut stats = RenderStats::default();
     let reporter = Reporter::new(watch.progress, Stage::Render, film.sample_count() - film.done());
@@ -47,8 +47,8 @@ pub(crate) fn demand_of_portion(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    (mesh, plan): (&mut LightMesh, Plan),
-    watch: &mut Watch<'_>,
+    (mesh, plan): (&mut LightMesh, LightingPlan),
+    watch: &mut RenderClock<'_>,
 ) -> Result<Option<LightMarks>, Error> {
     let reporter = Reporter::new(watch.progress, Stage::Demand, film.sample_count() - film.done());
     let mut frame = WaveFrame::new(scene, options, Lighting::Mesh(mesh));

@@ -12,7 +12,7 @@ const WAVE_TIME: Duration = Duration::from_millis(100);
 const LEAST_SAMPLES: u64 = 512;
 
 /// Asked before and told after every wave.
-pub(crate) struct Watch<'a> {
+pub(crate) struct RenderClock<'a> {
     pub(crate) progress: &'a dyn Progress,
     pub(super) viewer: Option<&'a dyn Viewer>,
     started: Instant,
@@ -22,7 +22,7 @@ pub(crate) struct Watch<'a> {
     rate: Option<f64>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> RenderClock<'a> {
     /// A watch over a render that started at `started` and may take `limit`.
     pub(crate) fn new(
         progress: &'a dyn Progress,

@@ -12,14 +12,14 @@ mod sketch;
 
 use std::ops::Range;
 
-pub(crate) use clock::Watch;
+pub(crate) use clock::RenderClock;
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
 use order::TileOrder;
-use outlines::Outlines;
+use outlines::EmitterEdges;
 use pass::Pass;
 pub(crate) use passes::{SumOrder, WAVE, take_samples};
-use sketch::Sketch;
+use sketch::CoarsePreview;
 
 use crate::geometry::{Cone, Ray};
 use crate::sampling::{film_samples, hash};
@@ -44,11 +44,11 @@ pub(crate) struct Film {
     aovs: Aovs,
     layers: Layers,
     /// What samples saw of each pixel; empty where nobody asks.
-    seen: Vec<u8>,
+    emitter_seen: Vec<u8>,
     /// What there is to see of pixels without samples.
-    sketch: Option<Sketch>,
+    sketch: Option<CoarsePreview>,
     /// The pixels of the pass, where they are sampled anew.
-    outlines: Option<Outlines>,
+    outlines: Option<EmitterEdges>,
 }
 
 /// One sample of one pixel.
@@ -77,7 +77,7 @@ impl Film {
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.picture.aovs,
             layers: Layers::new(options.picture.aovs, order.len()),
-            seen: Vec::new(),
+            emitter_seen: Vec::new(),
             sketch: None,
             outlines: None,
         }
@@ -96,14 +96,14 @@ impl Film {
     /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
     /// pass. Layers are not collected.
     pub(crate) fn begin_sketch(&mut self, stride: u32) {
-        let pixels = Sketch::pixels(self.order, stride, self.sketch.as_ref());
+        let pixels = CoarsePreview::pixels(self.order, stride, self.sketch.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
     }
 
     /// Keeps what the sketch has become, to be seen where nothing better is, and leaves the film empty.
     pub(crate) fn finish_sketch(&mut self, stride: u32) {
-        self.sketch = Some(Sketch::take(self.order, stride, self.sketch.as_ref(), &mut self.sums));
+        self.sketch = Some(CoarsePreview::take(self.order, stride, self.sketch.as_ref(), &mut self.sums));
         self.layers = Layers::new(self.aovs, self.order.len());
         self.begin_pass(0..self.offsets.len() as u32);
     }
@@ -121,7 +121,7 @@ impl Film {
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
-            seen: Vec::new(),
+            emitter_seen: Vec::new(),
             sketch: None,
             outlines: None,
         }
@@ -257,7 +257,7 @@ impl Film {
     }
 
     /// The camera's rays and the picture's width and height.
-    pub(crate) fn frame(&self) -> (FilmRays, u32, u32) {
+    pub(crate) fn rays_and_size(&self) -> (FilmRays, u32, u32) {
         (self.rays, self.order.width, self.order.height)
     }
 }

@@ -18,7 +18,7 @@ const OUTLINE_SAMPLES: u32 = 64;
 
 /// What the pixels that are sampled anew had before.
 #[derive(Debug)]
-pub(super) struct Outlines {
+pub(super) struct EmitterEdges {
     /// Samples of every other pixel, and of these before.
     pub(super) spp: u32,
     /// The sums of those samples, pixel by pixel.
@@ -28,12 +28,12 @@ pub(super) struct Outlines {
 impl Film {
     /// Begins to remember which pixels see lamps.
     pub(crate) fn watch_lamps(&mut self) {
-        self.seen = vec![0; self.sums.len()];
+        self.emitter_seen = vec![0; self.sums.len()];
     }
 
     /// Remembers whether a sample saw something that shines.
     pub(crate) fn saw(&mut self, pixel: u32, lamp: bool) {
-        if let Some(seen) = self.seen.get_mut(pixel as usize) {
+        if let Some(seen) = self.emitter_seen.get_mut(pixel as usize) {
             *seen |= if lamp { SAW_LAMP } else { SAW_OTHER };
         }
     }
@@ -43,10 +43,10 @@ impl Film {
     /// whole picture had. False if there is nothing to do: no outline, or samples enough, or one at each pixel's centre.
     pub(crate) fn turn_to_outlines(&mut self, most: u64) -> bool {
         let spp = self.offsets.len();
-        if spp < 2 || self.seen.is_empty() {
+        if spp < 2 || self.emitter_seen.is_empty() {
             return false;
         }
-        let outlines = outlines(self.order, &self.seen);
+        let outlines = outlines(self.order, &self.emitter_seen);
         let most = most.min((self.sums.len() * spp) as u64).checked_div(outlines.len() as u64).unwrap_or(0);
         let samples = OUTLINE_SAMPLES.min(most.min(1 << 16) as u32);
         if samples as usize <= spp {
@@ -56,9 +56,9 @@ impl Film {
         self.layers.clear(&outlines);
         self.offsets = film_samples(samples);
         self.cells = cells_of_pixel(samples as usize);
-        self.outlines = Some(Outlines { spp: spp as u32, before });
+        self.outlines = Some(EmitterEdges { spp: spp as u32, before });
         self.pass = Pass { pixels: Some(outlines), indices: 0..samples, done: 0, end: None };
-        self.seen = Vec::new();
+        self.emitter_seen = Vec::new();
         true
     }
 }

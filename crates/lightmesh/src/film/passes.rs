@@ -7,7 +7,7 @@
 //! | time limit | every 8th and 4th pixel if somebody looks | passes, until the time is up |
 
 use super::Film;
-use super::clock::Watch;
+use super::clock::RenderClock;
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, Stage};
 
@@ -39,8 +39,8 @@ pub(crate) fn take_samples(
     film: &mut Film,
     options: &RenderOptions,
     sums: SumOrder,
-    watch: &mut Watch<'_>,
-    mut trace: impl FnMut(&mut Film, &mut Watch<'_>, &Reporter<'_>) -> Result<(), Error>,
+    watch: &mut RenderClock<'_>,
+    mut trace: impl FnMut(&mut Film, &mut RenderClock<'_>, &Reporter<'_>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let passes = watch.is_limited() || (watch.viewer.is_some() && sums == SumOrder::Samples);
     let first_pass = if passes { 1 } else { options.picture.spp };

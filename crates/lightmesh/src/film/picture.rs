@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Film;
-use super::outlines::Outlines;
+use super::outlines::EmitterEdges;
 use crate::{Image, Layer};
 
 impl Film {
@@ -30,7 +30,7 @@ impl Film {
     }
 
     /// All pixels, which are done; those on the outlines as they were before where they are not done anew.
-    fn with_outlines(&self, list: &[u32], outlines: &Outlines) -> Vec<Vec3> {
+    fn with_outlines(&self, list: &[u32], outlines: &EmitterEdges) -> Vec<Vec3> {
         let scale = 1.0 / outlines.spp as f32;
         let mut pixels: Vec<Vec3> = self.sums.iter().map(|&sum| sum * scale).collect();
         let [(done, samples), ..] = self.pass.counts(list.len() as u64);

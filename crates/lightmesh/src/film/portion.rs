@@ -59,11 +59,15 @@ impl Film {
 
     /// What samples of some pixels saw; empty where nobody asks.
     pub(crate) fn copy_seen(&self, pixels: &[u32]) -> Vec<u8> {
-        if self.seen.is_empty() { Vec::new() } else { pixels.iter().map(|&pixel| self.seen[pixel as usize]).collect() }
+        if self.emitter_seen.is_empty() {
+            Vec::new()
+        } else {
+            pixels.iter().map(|&pixel| self.emitter_seen[pixel as usize]).collect()
+        }
     }
 
     /// Takes what samples saw of all pixels, row by row; which of them are lamps' outlines follows from it.
     pub(crate) fn put_seen(&mut self, seen: &[u8]) {
-        self.seen = seen.to_vec();
+        self.emitter_seen = seen.to_vec();
     }
 }

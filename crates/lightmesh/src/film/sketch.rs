@@ -6,14 +6,14 @@ use super::order::TileOrder;
 
 /// The picture in blocks of `stride` × `stride` pixels, each as its upper left pixel was sampled.
 #[derive(Debug)]
-pub(super) struct Sketch {
+pub(super) struct CoarsePreview {
     stride: u32,
     /// Blocks per row.
     columns: u32,
     blocks: Vec<Vec3>,
 }
 
-impl Sketch {
+impl CoarsePreview {
     /// The pixels that a sketch of this stride takes samples of, where there is one that is coarser by a power of two: its
     /// own are not sampled again.
     pub(super) fn pixels(order: TileOrder, stride: u32, coarser: Option<&Self>) -> Vec<u32> {
@@ -61,10 +61,10 @@ mod tests {
         let mut taken = Vec::new();
         let mut sketch = None;
         for stride in [8, 4] {
-            let pixels = Sketch::pixels(order, stride, sketch.as_ref());
+            let pixels = CoarsePreview::pixels(order, stride, sketch.as_ref());
             pixels.iter().for_each(|&p| sums[p as usize] = Vec3::splat(1.0 + p as f32));
             taken.extend(pixels);
-            sketch = Some(Sketch::take(order, stride, sketch.as_ref(), &mut sums));
+            sketch = Some(CoarsePreview::take(order, stride, sketch.as_ref(), &mut sums));
         }
         let sketch = sketch.expect("a sketch");
         taken.sort_unstable();

@@ -37,7 +37,7 @@ impl Fingerprint {
     }
 
     /// Of the settings that values of mesh points depend on: of their [`MeshKey`]. `hybrid` and `unbiased` have the same points. The
-    /// number of bounces is not among them: [`Contents`](crate::Contents) tell it.
+    /// number of bounces is not among them: [`Snapshot`](crate::Snapshot) tell it.
     pub fn of_settings(options: &RenderOptions) -> Self {
         Self::of_key(&MeshKey::of(options))
     }

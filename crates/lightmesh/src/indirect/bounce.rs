@@ -6,10 +6,12 @@ use std::time::Instant;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::field::{IndirectField, Sides};
-use super::gather::{Gather, seed_of_point, sphere_directions};
+use super::field::{CubeFaces, IndirectField};
+use super::gather::{GatherRays, seed_of_point, sphere_directions};
 use crate::direct::DirectLighting;
-use crate::mesh::{Address, Axes, Costs, Marks, Outcome, PROBE_RAYS, Points, Sight, choose, probe};
+use crate::mesh::{
+    Address, AmbientCube, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, ReadResult, choose, probe,
+};
 use crate::sampling::seed_of_place;
 use crate::{Error, RenderOptions, Scene};
 
@@ -27,7 +29,7 @@ struct Transfer {
     n: Vec3,
     /// Radiance along the ray per unit of irradiance at the surface.
     weight: Vec3,
-    /// Irradiance on the sides per unit of radiance (see [`Gather::sphere`]).
+    /// Irradiance on the sides per unit of radiance (see [`GatherRays::sphere`]).
     lobe: Vec3,
 }
 
@@ -37,7 +39,7 @@ impl Transfer {
 
 /// The transfers of one point, as far as they are known.
 #[derive(Debug, Default)]
-struct Linked {
+struct TransferList {
     transfers: Vec<Transfer>,
     complete: bool,
     sight_rays: u64,
@@ -45,7 +47,7 @@ struct Linked {
 
 /// What the points that are being filled gather.
 #[derive(Debug, Default)]
-pub(crate) struct Gathered {
+pub(crate) struct GatheredLight {
     /// T_0, and T_1 without the reflection of T_0.
     emission: Vec<Vec4>,
     first: Vec<Vec4>,
@@ -53,7 +55,7 @@ pub(crate) struct Gathered {
     transfers: Vec<Vec<Transfer>>,
 }
 
-impl Gathered {
+impl GatheredLight {
     /// Whether any level needs the one below of points that hits read.
     pub(crate) fn reads_points(&self) -> bool {
         self.transfers.iter().any(|transfers| !transfers.is_empty())
@@ -73,13 +75,13 @@ impl IndirectField {
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
     pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
-        let (first, hit_irradiance) = (self.points.len(), self.hit_irradiance);
+        let (first, hit_irradiance) = (self.points.len(), self.gather_hit_irradiance);
         match self.gather_all(direct, marks, first) {
             Ok(gathered) => self.bounce(direct.scene, gathered),
             Err(error) => {
                 // Points whose levels nobody knows must not stay.
                 self.points.forget(first);
-                self.hit_irradiance = hit_irradiance;
+                self.gather_hit_irradiance = hit_irradiance;
                 return Err(error);
             }
         }
@@ -94,18 +96,18 @@ impl IndirectField {
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
         first: usize,
-    ) -> Result<Gathered, Error> {
+    ) -> Result<GatheredLight, Error> {
         let scene = direct.scene;
         let directions = sphere_directions(self.gather_rays);
-        let mut gathers: Vec<Gather> = Vec::new();
-        let mut gathered = Gathered::default();
+        let mut gathers: Vec<GatherRays> = Vec::new();
+        let mut gathered = GatheredLight::default();
 
         // Hits of new points ask for further points, until they are all there.
         direct.stats.rays.secondary += self.probe(scene, marks, first)?;
         let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
-            gathers.resize_with(gathers.len().max(end - next), Gather::default);
+            gathers.resize_with(gathers.len().max(end - next), GatherRays::default);
             let batch = &mut gathers[..end - next];
             self.shoot((scene, direct.options), next, &directions, batch);
             self.light(direct, batch, &mut gathered)?;
@@ -124,16 +126,16 @@ impl IndirectField {
         let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
         let wanted = self.points.take(marks, costs, self.max_memory)?;
         let points = &self.points;
-        let (probed, rays): (Vec<_>, _) = match self.sides {
-            Sides::Six => {
+        let (probed, rays): (Vec<_>, _) = match self.faces {
+            CubeFaces::Six => {
                 let look = |&at: &Address| {
                     let spacing = points.level(at.level).lattice.spacing();
-                    (at, probe(scene, points.place(at), spacing))
+                    (at, probe(scene, points.position_of(at), spacing))
                 };
                 (wanted.par_iter().map(look).collect(), PROBE_RAYS * wanted.len() as u64)
             }
             // The paper's mesh knows no geometry: every point counts.
-            Sides::One => (wanted.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
+            CubeFaces::One => (wanted.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
         };
         probed.into_iter().for_each(|point| self.points.insert(point));
         Ok(rays)
@@ -151,21 +153,21 @@ impl IndirectField {
 
     /// What a point's levels take.
     pub(crate) fn costs(&self) -> Costs {
-        Costs::kept((self.levels.len() * self.sides.count() * size_of::<Vec4>()) as u64)
+        Costs::kept((self.bounce_values.len() * self.faces.count() * size_of::<Vec4>()) as u64)
     }
 
     /// Whether light is reflected: rays then bring that of the surfaces where they end.
     pub(crate) fn links(&self) -> bool {
-        self.levels.len() > 1
+        self.bounce_values.len() > 1
     }
 
-    /// Shoots the gather rays of the points from `first` on, one [`Gather`] each.
+    /// Shoots the gather rays of the points from `first` on, one [`GatherRays`] each.
     pub(crate) fn shoot(
         &self,
         (scene, options): (&Scene, &RenderOptions),
         first: usize,
         directions: &[Vec3],
-        batch: &mut [Gather],
+        batch: &mut [GatherRays],
     ) {
         batch.par_iter_mut().enumerate().for_each(|(i, gather)| {
             let seed = seed_of_point(self.seed, self.points.address(first + i));
@@ -177,13 +179,13 @@ impl IndirectField {
     pub(crate) fn light(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
-        batch: &mut [Gather],
-        gathered: &mut Gathered,
+        batch: &mut [GatherRays],
+        gathered: &mut GatheredLight,
     ) -> Result<(), Error> {
         // Light at the hits: the direct mesh, one wave deeper.
         if self.links() {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(Sight::One, &mut lists)?;
+            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
         for gather in batch {
@@ -194,11 +196,11 @@ impl IndirectField {
             if self.links() {
                 for (vertex, &irradiance) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
                     self.splat(&mut first, gather.lobes[vertex.pixel as usize], vertex.weight * irradiance);
-                    self.hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
+                    self.gather_hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
                 }
-                self.hit_irradiance.1 += gather.lit.vertices.len() as u64;
+                self.gather_hit_irradiance.1 += gather.lit.vertices.len() as u64;
             }
-            let sides = self.sides.count();
+            let sides = self.faces.count();
             gathered.emission.extend_from_slice(&emission[..sides]);
             gathered.first.extend(first[..sides].iter().zip(&emission).map(|(f, e)| f + e));
             gather.lit.take_counts(direct.stats);
@@ -213,13 +215,13 @@ impl IndirectField {
     #[inline(always)]
     fn splat(&self, sides: &mut [Vec4; 6], lobe: Vec3, radiance: Vec3) {
         let radiance = radiance.extend(0.0);
-        match self.sides {
-            Sides::Six => {
+        match self.faces {
+            CubeFaces::Six => {
                 for axis in 0..3 {
                     sides[2 * axis + usize::from(lobe[axis] < 0.0)] += radiance * lobe[axis].abs();
                 }
             }
-            Sides::One => sides[0] += radiance * (4.0 * std::f32::consts::PI / self.gather_rays as f32),
+            CubeFaces::One => sides[0] += radiance * (4.0 * std::f32::consts::PI / self.gather_rays as f32),
         }
     }
 
@@ -228,21 +230,21 @@ impl IndirectField {
         &mut self,
         scene: &Scene,
         marks: &mut Marks,
-        batch: &mut [Gather],
+        batch: &mut [GatherRays],
         first: usize,
-        gathered: &mut Gathered,
+        gathered: &mut GatheredLight,
     ) -> Result<u64, Error> {
         // Reflected once, direct light needs no points; only emission that is gathered does.
-        if !self.links() || (self.levels.len() == 2 && !scene.has_gathered_emitters()) {
+        if !self.links() || (self.bounce_values.len() == 2 && !scene.has_gathered_emitters()) {
             gathered.transfers.resize_with(gathered.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
         let mut rays = 0;
-        let mut links: Vec<Linked> = batch.iter().map(|_| Linked::default()).collect();
+        let mut links: Vec<TransferList> = batch.iter().map(|_| TransferList::default()).collect();
         loop {
             let field = &*self;
             batch.par_iter().zip(&mut links).filter(|(_, linked)| !linked.complete).for_each(|(gather, linked)| {
-                let mut reader = field.points.reader(scene, Sight::One);
+                let mut reader = field.points.reader(scene, CornerVisibility::Stochastic);
                 let mut corners = Vec::with_capacity(8);
                 linked.transfers.clear();
                 linked.transfers.reserve(gather.lit.vertices.len());
@@ -250,9 +252,9 @@ impl IndirectField {
                 for vertex in &gather.lit.vertices {
                     corners.clear();
                     let from = match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
-                        Outcome::Read => choose(corners.iter().copied(), seed_of_place(vertex.position)),
-                        Outcome::Nothing => Transfer::NOWHERE,
-                        Outcome::Empty => {
+                        ReadResult::Value => choose(corners.iter().copied(), seed_of_place(vertex.position)),
+                        ReadResult::Unavailable => Transfer::NOWHERE,
+                        ReadResult::Pending => {
                             linked.complete = false;
                             continue;
                         }
@@ -262,7 +264,7 @@ impl IndirectField {
                 }
                 // Stable: the sums keep the order of the rays.
                 linked.transfers.sort_by_key(|t| t.from != Transfer::NOWHERE);
-                linked.sight_rays += reader.sight_rays();
+                linked.sight_rays += reader.visibility_rays();
             });
             if links.iter().all(|linked| linked.complete) {
                 rays += links.iter().map(|linked| linked.sight_rays).sum::<u64>();
@@ -274,23 +276,23 @@ impl IndirectField {
     }
 
     /// The levels of the points that have been gathered for, which follow those that have theirs.
-    fn bounce(&mut self, scene: &Scene, gathered: Gathered) {
-        for k in 0..self.levels.len() {
+    fn bounce(&mut self, scene: &Scene, gathered: GatheredLight) {
+        for k in 0..self.bounce_values.len() {
             let level = self.level(scene, k, &gathered);
-            self.levels[k].extend(level);
+            self.bounce_values[k].extend(level);
         }
-        debug_assert!(self.levels.iter().all(|level| level.len() == self.points.len() * self.sides.count()));
+        debug_assert!(self.bounce_values.iter().all(|level| level.len() == self.points.len() * self.faces.count()));
     }
 
     /// T_k of points that have been gathered for, from T_{k−1} of all points.
-    pub(crate) fn level(&self, scene: &Scene, k: usize, gathered: &Gathered) -> Vec<Vec4> {
+    pub(crate) fn level(&self, scene: &Scene, k: usize, gathered: &GatheredLight) -> Vec<Vec4> {
         if k == 0 {
             return gathered.emission.clone();
         }
         if k == 1 && !scene.has_gathered_emitters() {
             return gathered.first.clone();
         }
-        let (sides, below) = (self.sides.count(), &self.levels[k - 1]);
+        let (sides, below) = (self.faces.count(), &self.bounce_values[k - 1]);
         let level: Vec<[Vec4; 6]> = gathered
             .transfers
             .par_iter()
@@ -301,7 +303,7 @@ impl IndirectField {
                 let (mut sum, mut count) = (Vec3::ZERO, 0.0);
                 let (nowhere, read) = transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NOWHERE));
                 for t in read {
-                    let irradiance = self.irradiance(below, t.from, &Axes::facing(t.n)).truncate();
+                    let irradiance = self.irradiance(below, t.from, &AmbientCube::facing(t.n)).truncate();
                     self.splat(&mut values, t.lobe, t.weight * irradiance);
                     (sum, count) = (sum + irradiance, count + 1.0);
                 }

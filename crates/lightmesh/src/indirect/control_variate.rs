@@ -15,11 +15,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{Gather, Heights, seed_of_surface, unit};
+use super::gather::{GatherRays, Strata, seed_of_surface, unit};
 use crate::Error;
 use crate::direct::DirectLighting;
-use crate::interaction::Vertex;
-use crate::mesh::{Marks, Sight};
+use crate::interaction::ShadingPoint;
+use crate::mesh::{CornerVisibility, Marks};
 use crate::sampling::hash;
 
 /// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q = 1, and the noise
@@ -32,7 +32,7 @@ const RAYS: usize = 256;
 
 /// What rays are shot from each surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Paths {
+pub(crate) struct GatherPaths {
     /// Reflections.
     pub bounces: u32,
     /// Rays.
@@ -49,8 +49,8 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        vertices: &[Vertex],
-        paths: Paths,
+        vertices: &[ShadingPoint],
+        paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());
         if vertices.is_empty() || (paths.bounces == 0 && !direct.scene.has_gathered_emitters()) {
@@ -58,20 +58,20 @@ impl IndirectField {
             return Ok(irradiance);
         }
         let together = (RAYS / paths.rays as usize).max(1);
-        let mut gathers: Vec<Gather> = Vec::new();
+        let mut gathers: Vec<GatherRays> = Vec::new();
         for chunk in vertices.chunks(AT_ONCE) {
             let lists = chunk.len().div_ceil(together);
-            gathers.resize_with(gathers.len().max(lists), Gather::default);
+            gathers.resize_with(gathers.len().max(lists), GatherRays::default);
             let batch = &mut gathers[..lists];
             let (scene, options) = (direct.scene, direct.options);
             batch.par_iter_mut().zip(chunk.par_chunks(together)).for_each(|(gather, vertices)| {
-                gather.hemispheres(scene, options, vertices, (paths.rays, paths.seed, Heights::Random));
+                gather.hemispheres(scene, options, vertices, (paths.rays, paths.seed, Strata::Jittered));
                 if paths.bounces == 0 {
                     gather.lit.vertices.clear();
                 }
             });
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(Sight::One, &mut lists)?;
+            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             let arriving = self.correct(direct, marks, batch, paths)?;
             let mut arriving = arriving.as_slice();
@@ -105,8 +105,8 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        batch: &[Gather],
-        paths: Paths,
+        batch: &[GatherRays],
+        paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
         let Some(bounces) = paths.bounces.checked_sub(1) else { return Ok(Vec::new()) };
         let mut readings = self.read_hits(direct, marks, batch, bounces)?.into_iter();
@@ -121,7 +121,7 @@ impl IndirectField {
             }
             arriving.push(reading.unwrap_or_default());
         }
-        let further = self.estimate_at(direct, marks, &going_on, Paths { bounces, rays: 1, ..paths })?;
+        let further = self.estimate_at(direct, marks, &going_on, GatherPaths { bounces, rays: 1, ..paths })?;
         for ((at, q), u) in places.into_iter().zip(further) {
             let m = arriving[at];
             arriving[at] = m + (u - m) / q;
@@ -134,24 +134,24 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        batch: &[Gather],
+        batch: &[GatherRays],
         bounces: u32,
     ) -> Result<Vec<Option<Vec3>>, Error> {
         loop {
             let field = &*self;
-            let read = |gather: &Gather| -> (Option<Vec<Option<Vec3>>>, u64) {
-                let mut reader = field.reader(direct.scene, bounces, Sight::One);
+            let read = |gather: &GatherRays| -> (Option<Vec<Option<Vec3>>>, u64) {
+                let mut reader = field.reader(direct.scene, bounces, CornerVisibility::Stochastic);
                 let mut complete = true;
                 let readings = gather.lit.vertices.iter().map(|vertex| match reader.read(vertex, marks) {
                     IndirectReading::Irradiance(irradiance) => Some(irradiance),
-                    IndirectReading::Nothing => None,
-                    IndirectReading::Empty => {
+                    IndirectReading::Unavailable => None,
+                    IndirectReading::Pending => {
                         complete = false;
                         None
                     }
                 });
                 let readings = readings.collect();
-                (complete.then_some(readings), reader.sight_rays())
+                (complete.then_some(readings), reader.visibility_rays())
             };
             let read: Vec<_> = batch.par_iter().map(read).collect();
             direct.stats.rays.secondary += read.iter().map(|(_, rays)| rays).sum::<u64>();

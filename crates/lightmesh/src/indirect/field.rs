@@ -11,36 +11,38 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::interaction::Vertex;
-use crate::mesh::{Axes, Known, Lattice, Marks, Neighbourhood, Outcome, Points, Reader, Sight, bits};
+use crate::interaction::ShadingPoint;
+use crate::mesh::{
+    AmbientCube, CornerValues, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult, Reader, set_bits,
+};
 use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
 #[derive(Debug)]
 pub(crate) struct IndirectField {
     pub(crate) points: Points,
-    pub(crate) sides: Sides,
+    pub(crate) faces: CubeFaces,
     pub(crate) gather_rays: u32,
     /// How far gather rays follow mirrors and glass.
     pub(crate) depth: u32,
     pub(crate) seed: u64,
-    /// T_k by level, [`Sides::count`] values a point.
-    pub(crate) levels: Vec<Vec<Vec4>>,
+    /// T_k by level, [`CubeFaces::count`] values a point.
+    pub(crate) bounce_values: Vec<Vec<Vec4>>,
     /// Sum and number of the direct irradiances at gather hits (mean over channels).
-    pub(crate) hit_irradiance: (f64, u64),
+    pub(crate) gather_hit_irradiance: (f64, u64),
     pub(crate) max_memory: u64,
 }
 
 /// What a point keeps of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sides {
+pub(crate) enum CubeFaces {
     /// Irradiance on planes that face ±x, ±y, ±z.
     Six,
     /// The paper's IndirectLight(x) = ∫ L dω: a quarter of it is the irradiance on any plane, were the light even.
     One,
 }
 
-impl Sides {
+impl CubeFaces {
     pub(crate) fn of(options: &RenderOptions) -> Self {
         if options.method.is_paper() { Self::One } else { Self::Six }
     }
@@ -60,21 +62,21 @@ pub(crate) enum IndirectReading {
     /// Irradiance, lux.
     Irradiance(Vec3),
     /// No point of the neighbourhood can be used.
-    Nothing,
+    Unavailable,
     /// Points are missing; they have been marked.
-    Empty,
+    Pending,
 }
 
 impl IndirectField {
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood, options: &RenderOptions) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator, options: &RenderOptions) -> Self {
         Self {
             points: Points::new(lattices, neighbourhood),
-            sides: Sides::of(options),
+            faces: CubeFaces::of(options),
             gather_rays: options.mesh.gather_rays,
             depth: options.transport.depth,
             seed: options.seed,
-            levels: vec![Vec::new(); options.transport.bounces as usize + 1],
-            hit_irradiance: (0.0, 0),
+            bounce_values: vec![Vec::new(); options.transport.bounces as usize + 1],
+            gather_hit_irradiance: (0.0, 0),
             max_memory: options.limits.max_memory,
         }
     }
@@ -90,44 +92,44 @@ impl IndirectField {
     }
 
     pub(crate) fn stats(&self) -> MeshStats {
-        let values: usize = self.levels.iter().map(|level| size_of_val(level.as_slice())).sum();
+        let values: usize = self.bounce_values.iter().map(|level| size_of_val(level.as_slice())).sum();
         self.points.stats(values as u64)
     }
 
     /// T_level of a point as irradiance on a plane whose normal the axes describe.
     #[inline(always)]
-    pub(super) fn irradiance(&self, level: &[Vec4], index: u32, axes: &Axes) -> Vec4 {
-        match self.sides {
-            Sides::Six => {
+    pub(super) fn irradiance(&self, level: &[Vec4], index: u32, axes: &AmbientCube) -> Vec4 {
+        match self.faces {
+            CubeFaces::Six => {
                 let values = &level[index as usize * 6..][..6];
-                let [x, y, z] = axes.sides;
+                let [x, y, z] = axes.faces;
                 values[x] * axes.squares.x + values[y] * axes.squares.y + values[z] * axes.squares.z
             }
-            Sides::One => level[index as usize] * 0.25,
+            CubeFaces::One => level[index as usize] * 0.25,
         }
     }
 
     /// A reader for one thread of what `bounces` reflections bring.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: Sight) -> IndirectReader<'a> {
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: CornerVisibility) -> IndirectReader<'a> {
         IndirectReader {
             field: self,
-            level: &self.levels[bounces as usize],
+            values: &self.bounce_values[bounces as usize],
             reader: self.points.reader(scene, sight),
-            known: Known::default(),
+            known: CornerValues::default(),
             corners: [Vec4::ZERO; 8],
         }
     }
 
     /// An estimate of what bounces after the last one would add, as a part of all light that arrives, their own included: the
     /// last bounces' ratio goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
-    pub(crate) fn left_out(&self, bounces: u32) -> Option<f64> {
+    pub(crate) fn truncated_light(&self, bounces: u32) -> Option<f64> {
         let mean = |level: usize| {
-            let values = &self.levels[level];
+            let values = &self.bounce_values[level];
             let sum: f64 = values.iter().map(|v| f64::from(v.truncate().element_sum())).sum();
-            sum / 3.0 / values.len().max(1) as f64 / if self.sides == Sides::One { 4.0 } else { 1.0 }
+            sum / 3.0 / values.len().max(1) as f64 / if self.faces == CubeFaces::One { 4.0 } else { 1.0 }
         };
         let n = bounces as usize;
-        let direct = self.hit_irradiance.0 / self.hit_irradiance.1.max(1) as f64;
+        let direct = self.gather_hit_irradiance.0 / self.gather_hit_irradiance.1.max(1) as f64;
         let total = direct + mean(n);
         if n == 0 || total <= 0.0 {
             return Some(0.0);
@@ -147,9 +149,9 @@ impl IndirectField {
 /// that normal is kept.
 pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
-    level: &'a [Vec4],
+    values: &'a [Vec4],
     reader: Reader<'a>,
-    known: Known,
+    known: CornerValues,
     /// Their irradiance; 0 where it is not known.
     corners: [Vec4; 8],
 }
@@ -157,25 +159,25 @@ pub(crate) struct IndirectReader<'a> {
 impl IndirectReader<'_> {
     /// Ĩ_d(y), formula (6); points that are still empty are marked.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
         if !self.reader.reads_cells() {
             return self.read_points(vertex, marks);
         }
         let seen = match self.reader.corners(vertex, marks) {
             Ok(seen) => seen,
-            Err(Outcome::Empty) => return IndirectReading::Empty,
-            Err(_) => return IndirectReading::Nothing,
+            Err(ReadResult::Pending) => return IndirectReading::Pending,
+            Err(_) => return IndirectReading::Unavailable,
         };
         if seen.refined > 0.0 {
             return self.read_points(vertex, marks);
         }
-        if !self.known.goes_on(vertex.n, self.reader.visits()) {
+        if !self.known.continues(vertex.n, self.reader.visits()) {
             // A curved surface: the next vertex has another normal.
-            let axes = Axes::facing(vertex.n);
-            for k in bits(seen.mask) {
+            let axes = AmbientCube::facing(vertex.n);
+            for k in set_bits(seen.mask) {
                 let weight = seen.weights[k / 4][k % 4];
-                sum += self.field.irradiance(self.level, self.reader.index(k), &axes) * weight;
+                sum += self.field.irradiance(self.values, self.reader.index(k), &axes) * weight;
                 total += weight;
             }
             return IndirectReading::Irradiance(sum.truncate() / total);
@@ -192,17 +194,17 @@ impl IndirectReader<'_> {
     }
 
     /// The same, point by point.
-    fn read_points(&mut self, vertex: &Vertex, marks: &Marks) -> IndirectReading {
+    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
         let (mut sum, mut total) = (Vec4::ZERO, 0.0);
-        let axes = Axes::facing(vertex.n);
+        let axes = AmbientCube::facing(vertex.n);
         let outcome = self.reader.read(vertex, marks, |index, weight| {
-            sum += self.field.irradiance(self.level, index, &axes) * weight;
+            sum += self.field.irradiance(self.values, index, &axes) * weight;
             total += weight;
         });
         match outcome {
-            Outcome::Read => IndirectReading::Irradiance(sum.truncate() / total),
-            Outcome::Nothing => IndirectReading::Nothing,
-            Outcome::Empty => IndirectReading::Empty,
+            ReadResult::Value => IndirectReading::Irradiance(sum.truncate() / total),
+            ReadResult::Unavailable => IndirectReading::Unavailable,
+            ReadResult::Pending => IndirectReading::Pending,
         }
     }
 
@@ -212,14 +214,14 @@ impl IndirectReader<'_> {
         if self.known.is_empty() {
             self.corners = [Vec4::ZERO; 8];
         }
-        let axes = Axes::facing(n);
-        for k in self.known.learn(mask) {
-            self.corners[k] = self.field.irradiance(self.level, self.reader.index(k), &axes);
+        let axes = AmbientCube::facing(n);
+        for k in self.known.add(mask) {
+            self.corners[k] = self.field.irradiance(self.values, self.reader.index(k), &axes);
         }
     }
 
     /// Rays shot so far to find out which points vertices see.
-    pub(crate) fn sight_rays(&self) -> u64 {
-        self.reader.sight_rays()
+    pub(crate) fn visibility_rays(&self) -> u64 {
+        self.reader.visibility_rays()
     }
 }

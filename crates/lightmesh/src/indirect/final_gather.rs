@@ -4,11 +4,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{Gather, Heights};
+use super::gather::{GatherRays, Strata};
 use crate::Error;
 use crate::direct::DirectLighting;
-use crate::interaction::Vertex;
-use crate::mesh::{Marks, Sight};
+use crate::interaction::ShadingPoint;
+use crate::mesh::{CornerVisibility, Marks};
 
 /// Rays per surface point: each of them is as good as a path, but pixels have several samples.
 const RAYS: u32 = 64;
@@ -26,23 +26,23 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
         (bounces, seed): (u32, u64),
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(vertices.len());
-        let mut gathers: Vec<Gather> = Vec::new();
+        let mut gathers: Vec<GatherRays> = Vec::new();
         for chunk in vertices.chunks(AT_ONCE) {
-            gathers.resize_with(gathers.len().max(chunk.len()), Gather::default);
+            gathers.resize_with(gathers.len().max(chunk.len()), GatherRays::default);
             let batch = &mut gathers[..chunk.len()];
             let (scene, options) = (direct.scene, direct.options);
             batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemispheres(scene, options, std::slice::from_ref(vertex), (RAYS, seed, Heights::Even));
+                gather.hemispheres(scene, options, std::slice::from_ref(vertex), (RAYS, seed, Strata::Centered));
                 if bounces == 0 {
                     gather.lit.vertices.clear();
                 }
             });
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(Sight::One, &mut lists)?;
+            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             irradiance.extend(self.sum(direct, marks, batch, bounces)?);
             for gather in batch {
@@ -64,7 +64,7 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        batch: &[Gather],
+        batch: &[GatherRays],
         bounces: u32,
     ) -> Result<Vec<Vec3>, Error> {
         loop {
@@ -72,7 +72,8 @@ impl IndirectField {
             let sums: Vec<(Option<Vec3>, u64)> = batch
                 .par_iter()
                 .map(|gather| {
-                    let mut reader = field.reader(direct.scene, bounces.saturating_sub(1), Sight::One);
+                    let mut reader =
+                        field.reader(direct.scene, bounces.saturating_sub(1), CornerVisibility::Stochastic);
                     let lobe = |ray: u32| gather.lobes[ray as usize].x;
                     let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
                     let (mut gap, mut complete) = (Vec3::ZERO, true);
@@ -81,12 +82,12 @@ impl IndirectField {
                         sum += weight * direct;
                         match reader.read(vertex, marks) {
                             IndirectReading::Irradiance(irradiance) => sum += weight * irradiance,
-                            IndirectReading::Nothing => gap += weight,
-                            IndirectReading::Empty => complete = false,
+                            IndirectReading::Unavailable => gap += weight,
+                            IndirectReading::Pending => complete = false,
                         }
                     }
                     let sum = geometric_series(gap, bounces) * sum;
-                    (complete.then_some(sum), reader.sight_rays())
+                    (complete.then_some(sum), reader.visibility_rays())
                 })
                 .collect();
             direct.stats.rays.secondary += sums.iter().map(|s| s.1).sum::<u64>();

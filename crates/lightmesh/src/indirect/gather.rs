@@ -10,9 +10,9 @@ use std::f32::consts::{PI, TAU};
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use crate::bvh::Hit;
-use crate::direct::LitVertices;
+use crate::direct::ShadingBatch;
 use crate::geometry::Ray;
-use crate::interaction::{MAX_LAYERS, Vertex, evaluate};
+use crate::interaction::{MAX_TRANSPARENT_HITS, ShadingPoint, evaluate};
 use crate::mesh::{Address, Coordinate};
 use crate::sampling::{basis, hash, sample_cosine_hemisphere};
 use crate::{RenderOptions, Scene};
@@ -22,14 +22,14 @@ const INV_GOLDEN: u32 = 2_654_435_769;
 
 /// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
 #[derive(Debug, Default)]
-pub(crate) struct Gather {
+pub(crate) struct GatherRays {
     /// By ray.
     pub lobes: Vec<Vec3>,
     /// Emission that rays met, cd/m² times throughput, with the ray's number.
     pub emitted: Vec<(u32, Vec3)>,
     /// The diffuse surfaces at which rays ended; `pixel` is the ray's number, `weight` the radiance that arrives along it
     /// per unit of irradiance there.
-    pub lit: LitVertices,
+    pub lit: ShadingBatch,
     /// Rays traced.
     pub rays: u64,
     batch: Vec<Ray>,
@@ -66,11 +66,11 @@ fn octahedral_morton(d: Vec3) -> u32 {
 
 /// How rays of a hemisphere are spread over its heights, of which each has an equal part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Heights {
+pub(super) enum Strata {
     /// In the middle of its part: least noise where there are many.
-    Even,
+    Centered,
     /// Anywhere in it: the expectation is exact.
-    Random,
+    Jittered,
 }
 
 /// 32 bits as a number in [0, 1), 24 of them.
@@ -101,7 +101,7 @@ pub(super) fn random_rotation(seed: u32) -> Mat3 {
     Mat3::from_quat(Quat::from_xyzw(a * libm::sinf(x), a * libm::cosf(x), b * libm::sinf(y), b * libm::cosf(y)))
 }
 
-impl Gather {
+impl GatherRays {
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let rays = size_of::<Vec3>() + size_of::<Ray>() + size_of::<u32>() + size_of::<Option<Hit>>();
@@ -135,8 +135,8 @@ impl Gather {
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        vertices: &[Vertex],
-        (count, seed, heights): (u32, u64, Heights),
+        vertices: &[ShadingPoint],
+        (count, seed, heights): (u32, u64, Strata),
     ) {
         self.lobes.clear();
         self.lobes.resize(vertices.len() * count as usize, Vec3::X * (PI / count as f32));
@@ -147,8 +147,8 @@ impl Gather {
             let (t, b) = basis(vertex.n);
             for i in 0..count {
                 let height = match heights {
-                    Heights::Even => 0.5,
-                    Heights::Random => unit(hash(seed ^ hash(!i))),
+                    Strata::Centered => 0.5,
+                    Strata::Jittered => unit(hash(seed ^ hash(!i))),
                 };
                 let azimuth = unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
@@ -183,16 +183,16 @@ impl Gather {
         loop {
             let surface = evaluate(scene, &ray, &hit);
             dice = hash(dice);
-            if surface.coverage < 1.0 && unit(dice) >= surface.coverage {
+            if surface.opacity < 1.0 && unit(dice) >= surface.opacity {
                 layers += 1;
-                if layers > MAX_LAYERS {
+                if layers > MAX_TRANSPARENT_HITS {
                     return;
                 }
                 ray.t_min = hit.t;
             } else {
                 layers = 0;
-                if surface.lights != Vec3::ZERO && scene.is_gathered(hit.target) {
-                    self.emitted.push((number, beta * surface.lights));
+                if surface.illuminating != Vec3::ZERO && scene.is_gathered(hit.target) {
+                    self.emitted.push((number, beta * surface.illuminating));
                 }
                 let specular = if depth < options.transport.depth { 1.0 } else { 0.0 };
                 let ways = [surface.diffuse, surface.mirror * specular, surface.refraction * specular];
@@ -211,12 +211,12 @@ impl Gather {
                     2
                 };
                 if way == 0 {
-                    self.lit.vertices.push(surface.vertex(beta * (total / shares[0]), number));
+                    self.lit.vertices.push(surface.shading_point(beta * (total / shares[0]), number));
                     return;
                 }
                 beta *= ways[way] * (total / shares[way]);
                 depth += 1;
-                ray = surface.leave(if way == 1 { surface.mirrored(ray.direction) } else { surface.refracted });
+                ray = surface.spawn_ray(if way == 1 { surface.reflect(ray.direction) } else { surface.refracted });
             }
             self.rays += 1;
             let Some(next) = scene.bvh().closest(&ray) else { return };

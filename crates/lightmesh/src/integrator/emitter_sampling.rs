@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::interaction::{Vertex, VisibilityScratch, visibility};
+use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::sample_ball;
 use crate::sampling::{Sampler, pdf_cosine_hemisphere};
 use crate::scene::Light;
@@ -25,13 +25,13 @@ pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
 
 /// Samples lamps and counts its shadow rays.
 #[derive(Debug, Default)]
-pub(super) struct LampSampler {
+pub(super) struct EmitterSampler {
     rays: u64,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
 }
 
-impl LampSampler {
+impl EmitterSampler {
     /// Whether a ray that leaves a diffuse surface may meet light.
     pub(super) fn can_be_hit(&self, scene: &Scene) -> bool {
         let emitters = scene.emitters();
@@ -44,7 +44,13 @@ impl LampSampler {
     }
 
     /// Irradiance from one point of the area lights.
-    pub(super) fn area(&mut self, scene: &Scene, falloff: Falloff, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+    pub(super) fn area(
+        &mut self,
+        scene: &Scene,
+        falloff: Falloff,
+        vertex: &ShadingPoint,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
         let lights = &scene.emitters().area;
         if lights.is_dark() {
             return Vec3::ZERO;
@@ -72,7 +78,7 @@ impl LampSampler {
     }
 
     /// Irradiance from one direction of the environment.
-    pub(super) fn environment(&mut self, scene: &Scene, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+    pub(super) fn environment(&mut self, scene: &Scene, vertex: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let Some(environment) = &scene.emitters().environment else { return Vec3::ZERO };
         let (direction, pdf) = environment.sample(sampler.next_pair());
         let cos = vertex.n.dot(direction);
@@ -87,7 +93,13 @@ impl LampSampler {
     }
 
     /// Irradiance from one point in the ball of every punctual light.
-    pub(super) fn balls(&mut self, scene: &Scene, falloff: Falloff, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+    pub(super) fn sphere_lights(
+        &mut self,
+        scene: &Scene,
+        falloff: Falloff,
+        vertex: &ShadingPoint,
+        sampler: &mut Sampler,
+    ) -> Vec3 {
         let radius = scene.emitters().light_radius;
         let mut sum = Vec3::ZERO;
         for light in &scene.data().lights {

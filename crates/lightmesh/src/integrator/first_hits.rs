@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use crate::direct::DirectField;
 use crate::film::Film;
-use crate::interaction::{Surface, Vertex};
-use crate::mesh::{Marks, Sight};
+use crate::interaction::{ShadedHit, ShadingPoint};
+use crate::mesh::{CornerVisibility, Marks};
 use crate::{Aov, RenderOptions, Scene};
 
 /// A surface that a sample meets before any mirror, glass or diffuse reflection.
@@ -21,7 +21,7 @@ struct FirstHit {
     vertex: Option<u32>,
     /// The part of the mesh points it asked for that it can use, and the refinement of their cell.
     usable: f32,
-    level: u32,
+    refinement: u32,
 }
 
 /// The first hits of a block's samples; nothing where nobody asks. Buffers are kept from use to use.
@@ -36,7 +36,7 @@ impl FirstHits {
     }
 
     /// Remembers a surface that covers the part `weight` of a sample.
-    pub(super) fn push(&mut self, pixel: u32, weight: f32, surface: &Surface, vertex: Option<u32>) {
+    pub(super) fn push(&mut self, pixel: u32, weight: f32, surface: &ShadedHit, vertex: Option<u32>) {
         self.hits.push(FirstHit {
             pixel,
             weight,
@@ -45,7 +45,7 @@ impl FirstHits {
             normal: surface.n,
             vertex,
             usable: 1.0,
-            level: 0,
+            refinement: 0,
         });
     }
 
@@ -56,7 +56,7 @@ impl FirstHits {
         scene: &Scene,
         options: &RenderOptions,
         (field, marks): (&DirectField, &Marks),
-        vertices: &[Vertex],
+        vertices: &[ShadingPoint],
     ) -> u64 {
         if self.hits.is_empty() || !options.picture.aovs.iter().any(Aov::needs_mesh) {
             return 0;
@@ -64,15 +64,15 @@ impl FirstHits {
         // Vertices that face no light have asked for nothing.
         let points: Vec<_> = vertices.iter().map(|v| (v.position, v.n)).collect();
         let unshadowed = field.lights().read_irradiance(scene, options.transport.falloff, &points);
-        let mut reader = field.reader(scene, Sight::Every);
+        let mut reader = field.reader(scene, CornerVisibility::All);
         for hit in &mut self.hits {
             let Some(i) = hit.vertex.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {
                 continue;
             };
-            hit.usable = reader.usable_part(&vertices[i], marks);
-            hit.level = field.level_at(&vertices[i]);
+            hit.usable = reader.usable_fraction(&vertices[i], marks);
+            hit.refinement = field.level_at(&vertices[i]);
         }
-        reader.sight_rays()
+        reader.visibility_rays()
     }
 
     /// Adds them to the film's layers, in order.
@@ -80,7 +80,7 @@ impl FirstHits {
         for hit in &self.hits {
             film.add_surface(hit.pixel, hit.weight, hit.albedo, hit.normal, hit.position);
             if hit.vertex.is_some() {
-                film.layers().add_reading(hit.pixel, hit.weight, hit.usable, hit.level);
+                film.layers().add_reading(hit.pixel, hit.weight, hit.usable, hit.refinement);
             }
         }
     }

@@ -70,7 +70,7 @@ fn trace(
     if reporter.cancelled() {
         return Sums::default();
     }
-    let vertex = meter.vertex(scene);
+    let vertex = meter.shading_point(scene);
     let seed = hash(seed_of_place(vertex.position)) ^ seed_of_place(vertex.n);
     let mut tracer = PathTracer::new(scene, options);
     let mut sums = [DVec3::ZERO; 2];

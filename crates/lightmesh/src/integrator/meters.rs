@@ -5,9 +5,9 @@
 
 use glam::Vec3;
 
-use super::block::{BLOCK, Block};
+use super::block::{BLOCK, RayBlock};
 use super::wave::{BLOCKS_PER_WAVE, Lighting, RAYS, light};
-use crate::direct::{Indirect, Plan, Shading};
+use crate::direct::{Indirect, LightingPlan, Shading};
 use crate::progress::Reporter;
 use crate::{Error, Meter, Progress, RenderOptions, RenderStats, Scene, Stage};
 
@@ -26,12 +26,12 @@ pub(crate) fn measure_waves(
         Lighting::Mesh(mesh) => Some(mesh.marks()),
     };
     // Where no mesh reaches, light is exact, but for what gather rays read where they end.
-    let plan = Plan::of(options);
+    let plan = LightingPlan::of(options);
     let outside = match plan.indirect {
-        Indirect::Mesh => Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed: 0 }, ..plan },
-        Indirect::Gathered { .. } | Indirect::Unbiased { .. } => Plan { seen: Shading::Exact, ..plan },
+        Indirect::Mesh => LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed: 0 }, ..plan },
+        Indirect::FinalGather { .. } | Indirect::Unbiased { .. } => LightingPlan { primary: Shading::Exact, ..plan },
     };
-    let mut blocks: Vec<Block> = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
+    let mut blocks: Vec<RayBlock> = (0..BLOCKS_PER_WAVE).map(|_| RayBlock::default()).collect();
     let [mut direct, mut indirect] = [(); 2].map(|()| vec![Vec3::ZERO; meters.len()]);
     for (wave, first) in meters.chunks(RAYS).zip((0..).step_by(RAYS)) {
         let is_inside = |&i: &usize| match &lighting {
@@ -53,7 +53,7 @@ pub(crate) fn measure_waves(
                     (direct[i], indirect[i]) = (e, further);
                 }
                 block.lit.take_counts(&mut stats);
-                stats.rays.secondary += std::mem::take(&mut block.sight_rays);
+                stats.rays.secondary += std::mem::take(&mut block.visibility_rays);
             }
         }
     }
@@ -61,11 +61,11 @@ pub(crate) fn measure_waves(
 }
 
 /// Spreads some meters over as many blocks as there may be; how many these are.
-fn take_meters(scene: &Scene, meters: &[Meter], indices: &[usize], blocks: &mut [Block]) -> usize {
+fn take_meters(scene: &Scene, meters: &[Meter], indices: &[usize], blocks: &mut [RayBlock]) -> usize {
     let together = indices.len().div_ceil(blocks.len()).min(BLOCK);
     for (block, indices) in blocks.iter_mut().zip(indices.chunks(together)) {
         block.lit.vertices.clear();
-        block.lit.vertices.extend(indices.iter().map(|&i| meters[i].vertex(scene)));
+        block.lit.vertices.extend(indices.iter().map(|&i| meters[i].shading_point(scene)));
         block.indirect.clear();
     }
     indices.len().div_ceil(together)

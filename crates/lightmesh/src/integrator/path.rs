@@ -7,14 +7,14 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::emitter_sampling::{LampSampler, power_heuristic};
+use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
 use crate::direct::Scratch;
-use crate::film::{Film, SumOrder, Watch, take_samples};
+use crate::film::{Film, RenderClock, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{MAX_LAYERS, Surface, Vertex, evaluate_seen};
-use crate::light::LightsAt;
+use crate::interaction::{MAX_TRANSPARENT_HITS, ShadedHit, ShadingPoint, evaluate_footprint};
+use crate::light::LightCut;
 use crate::progress::Reporter;
 use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
@@ -28,14 +28,14 @@ const ROULETTE_AFTER: u32 = 3;
 /// Paths that go on from the first diffuse surface of a camera ray (splitting: Arvo and Kirk, "Particle Transport and Image
 /// Synthesis", SIGGRAPH 1990): what is left of the noise there is in the indirect light. Measured on the Cornell box, 64 samples:
 /// error 12.2% with one path and 50.8 M bounces, 8.1% with two and 101.6 M; 10.1% with one and no roulette, 87.4 M.
-const BRANCHES: u32 = 2;
+const SPLITS: u32 = 2;
 
 /// Renders the picture by path tracing.
 pub(crate) fn render_path(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    watch: &mut Watch<'_>,
+    watch: &mut RenderClock<'_>,
 ) -> Result<RenderStats, Error> {
     let mut stats = RenderStats::default();
     take_samples(film, options, SumOrder::Samples, watch, |film, watch, reporter| {
@@ -49,7 +49,7 @@ pub(crate) fn trace_pass(
     scene: &Scene,
     options: &RenderOptions,
     film: &mut Film,
-    watch: &mut Watch<'_>,
+    watch: &mut RenderClock<'_>,
     reporter: &Reporter<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
@@ -149,42 +149,42 @@ pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: Scratch,
-    lamps: LampSampler,
+    lamps: EmitterSampler,
     pub(super) rays: RayCounts,
     first_hits: FirstHits,
 }
 
 /// How the ray at hand came about: what the emission that it meets counts.
 #[derive(Clone, Copy, Debug)]
-enum Arrival {
+enum RayOrigin {
     /// From the camera, by mirrors and glass alone: everything that shines is seen, unlit surfaces too.
-    Seen,
+    Camera,
     /// By a mirror from a diffuse surface: no light sample leads here.
-    Mirrored,
+    Specular,
     /// From a diffuse surface in a direction of this density (per steradian), through nothing: half of an estimate, the other half
     /// is a light sample.
-    Bounced { pdf: f32 },
+    Bsdf { pdf: f32 },
     /// From a diffuse surface through glass or layers, where shadow rays go as well: they count it.
-    Passed,
+    Transmitted,
 }
 
 /// A path on its way.
 #[derive(Clone, Copy, Debug)]
-struct Walk {
+struct PathState {
     ray: Ray,
     /// What it stands for: after a diffuse bounce nothing but itself.
     cone: Cone,
     beta: Vec3,
     bounces: u32,
-    arrival: Arrival,
+    arrival: RayOrigin,
     pixel: u32,
 }
 
 /// Which layer has what shines at the end of a path with so many diffuse bounces: after the first one, it is the other
 /// half of the direct light, unless a mirror came between.
-fn part(bounces: u32, arrival: Arrival) -> Aov {
+fn part(bounces: u32, arrival: RayOrigin) -> Aov {
     match (bounces, arrival) {
-        (0, _) | (1, Arrival::Bounced { .. } | Arrival::Passed) => Aov::Direct,
+        (0, _) | (1, RayOrigin::Bsdf { .. } | RayOrigin::Transmitted) => Aov::Direct,
         _ => Aov::Indirect,
     }
 }
@@ -195,20 +195,20 @@ impl<'a> PathTracer<'a> {
             scene,
             options,
             scratch: Scratch::default(),
-            lamps: LampSampler::default(),
+            lamps: EmitterSampler::default(),
             rays: RayCounts::default(),
             first_hits: FirstHits::default(),
         }
     }
 
     /// An estimate of the irradiance at a vertex, lux.
-    pub(super) fn irradiance(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Radiance {
+    pub(super) fn irradiance(&mut self, vertex: &ShadingPoint, sampler: &mut Sampler) -> Radiance {
         let mut e = Radiance::default();
         e.add(Aov::Direct, self.direct(vertex, sampler));
         if self.options.transport.bounces > 0 || self.lamps.can_be_hit(self.scene) {
             // The mean of radiance over directions in proportion to the cosine is E / π.
             let mut mean = Radiance::default();
-            self.branch(vertex, (Vec3::ONE, 0), sampler, &mut mean);
+            self.split(vertex, (Vec3::ONE, 0), sampler, &mut mean);
             e.add_part(mean, PI);
         }
         e
@@ -217,12 +217,12 @@ impl<'a> PathTracer<'a> {
     /// An estimate of the radiance along a camera ray, cd/m².
     fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
-        self.follow(Walk { ray, cone, beta: Vec3::ONE, bounces: 0, arrival: Arrival::Seen, pixel }, sampler)
+        self.follow(PathState { ray, cone, beta: Vec3::ONE, bounces: 0, arrival: RayOrigin::Camera, pixel }, sampler)
     }
 
     /// An estimate of what a path brings from here on.
-    fn follow(&mut self, walk: Walk, sampler: &mut Sampler) -> Radiance {
-        let Walk { mut ray, mut cone, mut beta, mut bounces, mut arrival, pixel } = walk;
+    fn follow(&mut self, walk: PathState, sampler: &mut Sampler) -> Radiance {
+        let PathState { mut ray, mut cone, mut beta, mut bounces, mut arrival, pixel } = walk;
         let mut li = Radiance::default();
         let (mut depth, mut layers) = (0, 0);
         loop {
@@ -230,18 +230,18 @@ impl<'a> PathTracer<'a> {
                 li.add(part(bounces, arrival), beta * self.sky(&ray, arrival));
                 break;
             };
-            let surface = evaluate_seen(self.scene, &ray, cone, &hit);
+            let surface = evaluate_footprint(self.scene, &ray, cone, &hit);
 
             // A surface that covers a part stops that part of the paths.
-            if surface.coverage < 1.0 && sampler.choice() >= surface.coverage {
+            if surface.opacity < 1.0 && sampler.choice() >= surface.opacity {
                 layers += 1;
-                if layers > MAX_LAYERS {
+                if layers > MAX_TRANSPARENT_HITS {
                     break;
                 }
                 ray.t_min = hit.t;
                 self.rays.secondary += 1;
-                if let Arrival::Bounced { .. } = arrival {
-                    arrival = Arrival::Passed;
+                if let RayOrigin::Bsdf { .. } = arrival {
+                    arrival = RayOrigin::Transmitted;
                 }
                 continue;
             }
@@ -256,7 +256,7 @@ impl<'a> PathTracer<'a> {
                 break;
             }
             if surface.diffuse != Vec3::ZERO {
-                let vertex = surface.vertex(beta, 0);
+                let vertex = surface.shading_point(beta, 0);
                 let aov = if bounces == 0 { Aov::Direct } else { Aov::Indirect };
                 li.add(aov, vertex.weight * self.direct(&vertex, sampler));
             }
@@ -276,29 +276,29 @@ impl<'a> PathTracer<'a> {
             let way = if ways[way] == Vec3::ZERO { (0..3).find(|&w| ways[w] != Vec3::ZERO).unwrap_or(0) } else { way };
             beta *= ways[way] * (total / ways[way].max_element());
             if way == 0 && bounces == 0 {
-                self.branch(&surface.vertex(beta, pixel), (beta, pixel), sampler, &mut li);
+                self.split(&surface.shading_point(beta, pixel), (beta, pixel), sampler, &mut li);
                 break;
             }
             if way == 0 {
                 bounces += 1;
                 depth = 0;
                 let pdf;
-                (ray, pdf) = self.bounce(&surface.vertex(beta, pixel), sampler);
+                (ray, pdf) = self.bounce(&surface.shading_point(beta, pixel), sampler);
                 cone = Cone::POINT;
-                arrival = Arrival::Bounced { pdf };
+                arrival = RayOrigin::Bsdf { pdf };
                 self.rays.gather += 1;
             } else {
                 depth += 1;
-                let direction = if way == 1 { surface.mirrored(ray.direction) } else { surface.refracted };
+                let direction = if way == 1 { surface.reflect(ray.direction) } else { surface.refracted };
                 cone = cone.after(hit.t);
                 if way == 1 {
                     cone = cone.mirrored(ray.direction, direction);
                 }
-                ray = surface.leave(direction);
+                ray = surface.spawn_ray(direction);
                 arrival = match (arrival, way) {
-                    (Arrival::Seen, _) => Arrival::Seen,
-                    (_, 1) => Arrival::Mirrored,
-                    _ => Arrival::Passed,
+                    (RayOrigin::Camera, _) => RayOrigin::Camera,
+                    (_, 1) => RayOrigin::Specular,
+                    _ => RayOrigin::Transmitted,
                 };
                 self.rays.secondary += 1;
             }
@@ -315,20 +315,21 @@ impl<'a> PathTracer<'a> {
         li
     }
 
-    /// Adds the mean of [`BRANCHES`] paths that leave the first diffuse surface with this throughput.
-    fn branch(&mut self, vertex: &Vertex, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
-        for branch in 0..BRANCHES {
-            let mut sampler = sampler.branch(branch, BRANCHES);
+    /// Adds the mean of [`SPLITS`] paths that leave the first diffuse surface with this throughput.
+    fn split(&mut self, vertex: &ShadingPoint, (beta, pixel): (Vec3, u32), sampler: &Sampler, li: &mut Radiance) {
+        for branch in 0..SPLITS {
+            let mut sampler = sampler.branch(branch, SPLITS);
             let (ray, pdf) = self.bounce(vertex, &mut sampler);
             self.rays.gather += 1;
-            let arrival = Arrival::Bounced { pdf };
-            let part = self.follow(Walk { ray, cone: Cone::POINT, beta, bounces: 1, arrival, pixel }, &mut sampler);
-            li.add_part(part, 1.0 / BRANCHES as f32);
+            let arrival = RayOrigin::Bsdf { pdf };
+            let part =
+                self.follow(PathState { ray, cone: Cone::POINT, beta, bounces: 1, arrival, pixel }, &mut sampler);
+            li.add_part(part, 1.0 / SPLITS as f32);
         }
     }
 
     /// A cosine-distributed direction about the shading normal: its pdf, cosθ / π, cancels Lambert's cosine / π.
-    fn bounce(&self, vertex: &Vertex, sampler: &mut Sampler) -> (Ray, f32) {
+    fn bounce(&self, vertex: &ShadingPoint, sampler: &mut Sampler) -> (Ray, f32) {
         let (t, b) = basis(vertex.n);
         let local = sample_cosine_hemisphere(sampler.next_pair());
         let direction = t * local.x + b * local.y + vertex.n * local.z;
@@ -337,13 +338,13 @@ impl<'a> PathTracer<'a> {
 
     /// Direct irradiance: every punctual light, and a point on an area light and a direction of the environment, with their
     /// share of the estimate.
-    fn direct(&mut self, vertex: &Vertex, sampler: &mut Sampler) -> Vec3 {
+    fn direct(&mut self, vertex: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let mut sum = Vec3::ZERO;
         if scene.emitters().light_radius > 0.0 {
-            sum += self.lamps.balls(scene, falloff, vertex, sampler);
+            sum += self.lamps.sphere_lights(scene, falloff, vertex, sampler);
         } else {
-            let lights = LightsAt::every(&scene.emitters().punctual);
+            let lights = LightCut::all(&scene.emitters().punctual);
             let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
             self.rays.shadow += rays;
             sum += irradiance;
@@ -355,32 +356,32 @@ impl<'a> PathTracer<'a> {
     }
 
     /// What the emission of a surface counts.
-    fn emission(&self, ray: &Ray, hit: &Hit, surface: &Surface, arrival: Arrival) -> Vec3 {
+    fn emission(&self, ray: &Ray, hit: &Hit, surface: &ShadedHit, arrival: RayOrigin) -> Vec3 {
         let area = &self.scene.emitters().area;
         let light = || area.pdf(self.scene.data(), hit.target);
         match arrival {
-            Arrival::Seen => surface.emission,
-            Arrival::Mirrored => surface.lights,
-            Arrival::Bounced { pdf } if surface.lights != Vec3::ZERO => {
+            RayOrigin::Camera => surface.emission,
+            RayOrigin::Specular => surface.illuminating,
+            RayOrigin::Bsdf { pdf } if surface.illuminating != Vec3::ZERO => {
                 let d = surface.position - ray.origin;
                 let cos = surface.ng.dot(ray.direction).abs();
                 let light = light() * d.length_squared() / cos.max(1e-6);
-                surface.lights * power_heuristic(pdf, light)
+                surface.illuminating * power_heuristic(pdf, light)
             }
             // User-defined shapes cannot be sampled.
-            Arrival::Passed if light() == 0.0 => surface.lights,
-            Arrival::Bounced { .. } | Arrival::Passed => Vec3::ZERO,
+            RayOrigin::Transmitted if light() == 0.0 => surface.illuminating,
+            RayOrigin::Bsdf { .. } | RayOrigin::Transmitted => Vec3::ZERO,
         }
     }
 
     /// What the environment counts.
-    fn sky(&self, ray: &Ray, arrival: Arrival) -> Vec3 {
+    fn sky(&self, ray: &Ray, arrival: RayOrigin) -> Vec3 {
         let Some(environment) = &self.scene.emitters().environment else { return Vec3::ZERO };
         let direction = ray.direction.normalize();
         let share = match arrival {
-            Arrival::Seen | Arrival::Mirrored => 1.0,
-            Arrival::Bounced { pdf } => power_heuristic(pdf, environment.pdf(direction)),
-            Arrival::Passed => return Vec3::ZERO,
+            RayOrigin::Camera | RayOrigin::Specular => 1.0,
+            RayOrigin::Bsdf { pdf } => power_heuristic(pdf, environment.pdf(direction)),
+            RayOrigin::Transmitted => return Vec3::ZERO,
         };
         environment.radiance(direction) * share
     }

@@ -4,16 +4,16 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::adaptive::distance_levels::grade;
+use super::adaptive::distance_levels::refine_by_distance;
 use super::adaptive::error_bound::choose_plan;
 use super::adaptive::refine::refine;
-use super::block::{BLOCK, Block, LitHit, WaveRay};
-use crate::direct::{DirectLighting, Indirect, LitVertices, Plan};
-use crate::film::{Film, SumOrder, WAVE, Watch, take_samples};
-use crate::indirect::{IndirectField, Paths};
-use crate::interaction::Vertex;
+use super::block::{BLOCK, RayBlock, ShadedPoint, WaveRay};
+use crate::direct::{DirectLighting, Indirect, LightingPlan, ShadingBatch};
+use crate::film::{Film, RenderClock, SumOrder, WAVE, take_samples};
+use crate::indirect::{GatherPaths, IndirectField};
+use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
-use crate::mesh::{Marks, Sight};
+use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
@@ -48,11 +48,11 @@ pub(crate) struct WaveFrame<'a> {
     pub(super) options: &'a RenderOptions,
     pub(super) lighting: Lighting<'a>,
     pub(crate) marks: Option<LightMarks>,
-    blocks: Vec<Block>,
-    pub(crate) plan: Plan,
+    blocks: Vec<RayBlock>,
+    pub(crate) plan: LightingPlan,
     pub(crate) purpose: Purpose,
     /// Hits and their light, where somebody asks.
-    pub(super) lit_hits: Option<Vec<LitHit>>,
+    pub(super) shaded_points: Option<Vec<ShadedPoint>>,
 }
 
 /// Renders the picture with exact or mesh light.
@@ -61,7 +61,7 @@ pub(crate) fn render_waves(
     film: &mut Film,
     options: &RenderOptions,
     lighting: Lighting<'_>,
-    watch: &mut Watch<'_>,
+    watch: &mut RenderClock<'_>,
 ) -> Result<RenderStats, Error> {
     let mut frame = WaveFrame::new(scene, options, lighting);
     let mut stats = RenderStats::default();
@@ -87,18 +87,23 @@ impl<'a> WaveFrame<'a> {
             Lighting::Exact => None,
             Lighting::Mesh(mesh) => Some(mesh.marks()),
         };
-        let blocks = (0..BLOCKS_PER_WAVE).map(|_| Block::default()).collect();
-        let (plan, purpose) = (Plan::of(options), Purpose::Light);
-        Self { scene, options, lighting, marks, blocks, plan, purpose, lit_hits: None }
+        let blocks = (0..BLOCKS_PER_WAVE).map(|_| RayBlock::default()).collect();
+        let (plan, purpose) = (LightingPlan::of(options), Purpose::Light);
+        Self { scene, options, lighting, marks, blocks, plan, purpose, shaded_points: None }
     }
 
     /// Looks at the picture on the film, as far as the options want it: where meshes are to be finer, and how light is taken so that the
     /// error keeps to its bound.
-    pub(crate) fn prepare(&mut self, film: &Film, watch: &mut Watch<'_>, stats: &mut RenderStats) -> Result<(), Error> {
+    pub(crate) fn prepare(
+        &mut self,
+        film: &Film,
+        watch: &mut RenderClock<'_>,
+        stats: &mut RenderStats,
+    ) -> Result<(), Error> {
         if let Lighting::Mesh(mesh) = &mut self.lighting {
-            mesh.coarsen();
+            mesh.reset_refinement();
         }
-        grade(self, film, stats);
+        refine_by_distance(self, film, stats);
         refine(self, film, watch, stats)?;
         if let Some(bound) = self.options.method.error() {
             stats.estimated_error = Some(choose_plan(self, film, bound, watch, stats)?);
@@ -118,7 +123,7 @@ impl<'a> WaveFrame<'a> {
     pub(crate) fn render_pass(
         &mut self,
         film: &mut Film,
-        watch: &mut Watch<'_>,
+        watch: &mut RenderClock<'_>,
         reporter: &Reporter<'_>,
         stats: &mut RenderStats,
     ) -> Result<(), Error> {
@@ -185,13 +190,13 @@ impl<'a> WaveFrame<'a> {
         light((self.scene, self.options, self.plan), blocks, &mut self.lighting, self.marks.as_mut(), reporter, stats)?;
         let started = Instant::now();
         for block in blocks {
-            if let Some(hits) = &mut self.lit_hits {
-                hits.extend(block.lit_hits());
+            if let Some(hits) = &mut self.shaded_points {
+                hits.extend(block.shaded_points());
             }
             block.add_to(film);
             queue.append(&mut block.next);
             block.lit.take_counts(stats);
-            stats.rays.secondary += std::mem::take(&mut block.sight_rays);
+            stats.rays.secondary += std::mem::take(&mut block.visibility_rays);
         }
         stats.seconds.shade += started.elapsed().as_secs_f64();
         Ok(())
@@ -200,8 +205,8 @@ impl<'a> WaveFrame<'a> {
 
 /// Computes the irradiance at every vertex of the blocks.
 pub(crate) fn light(
-    (scene, options, plan): (&Scene, &RenderOptions, Plan),
-    blocks: &mut [Block],
+    (scene, options, plan): (&Scene, &RenderOptions, LightingPlan),
+    blocks: &mut [RayBlock],
     lighting: &mut Lighting<'_>,
     marks: Option<&mut LightMarks>,
     reporter: &Reporter<'_>,
@@ -213,8 +218,8 @@ pub(crate) fn light(
         (Lighting::Mesh(mesh), Some(marks)) => {
             let (field, direct_marks) = (&mut mesh.direct, &mut marks.direct);
             let mut direct = DirectLighting { scene, options, plan, field, marks: direct_marks, reporter, stats };
-            let mut lists: Vec<&mut LitVertices> = blocks.iter_mut().map(|block| &mut block.lit).collect();
-            let seconds = direct.light(Sight::Every, &mut lists)?;
+            let mut lists: Vec<&mut ShadingBatch> = blocks.iter_mut().map(|block| &mut block.lit).collect();
+            let seconds = direct.light(CornerVisibility::All, &mut lists)?;
             let sum = &mut direct.stats.seconds;
             sum.demand += seconds.demand;
             sum.fill_direct += seconds.fill;
@@ -227,7 +232,7 @@ pub(crate) fn light(
             if !options.picture.aovs.is_empty() {
                 let mesh = (&mesh.direct, &marks.direct);
                 blocks.par_iter_mut().for_each(|block| {
-                    block.sight_rays += block.first_hits.read_mesh(scene, options, mesh, &block.lit.vertices);
+                    block.visibility_rays += block.first_hits.read_mesh(scene, options, mesh, &block.lit.vertices);
                 });
             }
             blocks.iter().for_each(|block| block.report(reporter));
@@ -251,12 +256,12 @@ fn light_indirectly(
     field: &mut IndirectField,
     marks: &mut Marks,
     mut direct: DirectLighting<'_, '_>,
-    blocks: &mut [Block],
+    blocks: &mut [RayBlock],
 ) -> Result<(), Error> {
     let bounces = direct.options.transport.bounces;
-    blocks.iter_mut().for_each(Block::await_indirect);
+    blocks.iter_mut().for_each(RayBlock::await_indirect);
     if direct.plan.indirect != Indirect::Mesh {
-        blocks.iter_mut().for_each(Block::disown_all);
+        blocks.iter_mut().for_each(RayBlock::gather_all);
     }
     loop {
         let started = Instant::now();
@@ -274,18 +279,18 @@ fn light_indirectly(
 
     // Where nothing could be read, rays are gathered at the surface itself.
     let started = Instant::now();
-    let orphans: Vec<Vertex> = blocks.iter().flat_map(Block::orphans).copied().collect();
+    let orphans: Vec<ShadingPoint> = blocks.iter().flat_map(RayBlock::unresolved).copied().collect();
     let gathered = match direct.plan.indirect {
         Indirect::Mesh => {
             let seed = direct.options.seed;
             field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?
         }
-        Indirect::Gathered { seed } => {
+        Indirect::FinalGather { seed } => {
             let seed = direct.options.seed ^ seed << 32;
             field.gather_at(&mut direct, marks, &orphans, (bounces, seed))?
         }
         Indirect::Unbiased { rays, seed } => {
-            field.estimate_at(&mut direct, marks, &orphans, Paths { bounces, rays, seed })?
+            field.estimate_at(&mut direct, marks, &orphans, GatherPaths { bounces, rays, seed })?
         }
     };
     if direct.plan.indirect == Indirect::Mesh {
@@ -293,7 +298,7 @@ fn light_indirectly(
     }
     let mut gathered = gathered.into_iter();
     for block in blocks {
-        for &i in &block.orphans {
+        for &i in &block.unresolved {
             block.indirect[i as usize] = gathered.next().unwrap_or_default();
         }
     }

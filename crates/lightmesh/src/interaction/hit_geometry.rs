@@ -9,7 +9,7 @@ use crate::scene::Footprint;
 use crate::world::Scene;
 
 /// The geometry of a hit, in world space.
-pub(super) struct Place<'a> {
+pub(super) struct SurfaceInteraction<'a> {
     pub position: Vec3,
     /// Unit geometric normal, on the viewer's side.
     pub ng: Vec3,
@@ -51,7 +51,7 @@ pub(crate) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
 }
 
 /// Evaluates the geometry that `ray` hit; footprints are left out.
-pub(super) fn locate<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> Place<'a> {
+pub(super) fn intersect_geometry<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> SurfaceInteraction<'a> {
     match hit.target {
         Target::Triangle { instance, triangle } => locate_triangle(scene, ray, hit, instance, triangle),
         Target::Sphere(i) => {
@@ -73,10 +73,17 @@ pub(super) fn locate<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> Place<'a> {
 }
 
 /// A sphere or user-defined shape: the normal is exact, so it is geometric and shading normal in one.
-fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32, material: usize) -> Place<'static> {
+fn locate_smooth(
+    ray: &Ray,
+    position: Vec3,
+    outward: Vec3,
+    uv: Vec2,
+    extent: f32,
+    material: usize,
+) -> SurfaceInteraction<'static> {
     let front = outward.dot(ray.direction) < 0.0;
     let n = if front { outward } else { -outward };
-    Place {
+    SurfaceInteraction {
         position,
         ng: n,
         n,
@@ -91,7 +98,7 @@ fn locate_smooth(ray: &Ray, position: Vec3, outward: Vec3, uv: Vec2, extent: f32
     }
 }
 
-fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> Place<'a> {
+fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> SurfaceInteraction<'a> {
     let placed = &scene.data().instances[instance as usize];
     let mesh = &scene.data().meshes[placed.mesh];
     let frame = scene.frame(instance);
@@ -124,7 +131,7 @@ fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, tr
         mesh.colors[corners[0]] * b[0] + mesh.colors[corners[1]] * b[1] + mesh.colors[corners[2]] * b[2]
     };
     let uvs = [0, 1].map(|set| interpolate(&mesh.uvs[set], corners, b));
-    let mut place = Place {
+    let mut place = SurfaceInteraction {
         position,
         ng,
         n,

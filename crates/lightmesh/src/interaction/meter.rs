@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::surface::Vertex;
+use super::surface::ShadingPoint;
 use crate::{Error, Scene};
 
 /// A place where irradiance is measured: on a surface, or in free space as on a work plane.
@@ -41,10 +41,10 @@ impl Meter {
 
     /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
     /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
-    pub(crate) fn vertex(&self, scene: &Scene) -> Vertex {
+    pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
         let bounds = scene.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let n = self.direction();
-        Vertex { position: self.position, n, ng: n, extent, weight: Vec3::ONE, pixel: 0 }
+        ShadingPoint { position: self.position, n, ng: n, extent, weight: Vec3::ONE, pixel: 0 }
     }
 }

@@ -7,5 +7,7 @@ mod surface;
 pub(crate) mod transmittance;
 
 pub use meter::Meter;
-pub(crate) use surface::{MAX_LAYERS, Surface, Vertex, evaluate, evaluate_seen, is_back_face, is_solid};
+pub(crate) use surface::{
+    MAX_TRANSPARENT_HITS, ShadedHit, ShadingPoint, evaluate, evaluate_footprint, is_back_face, is_opaque,
+};
 pub(crate) use transmittance::{VisibilityScratch, visibility};

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::hit_geometry::{Place, PlacedTriangle};
+use super::hit_geometry::{PlacedTriangle, SurfaceInteraction};
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Cone, Ray, Sphere};
 use crate::scene::Footprint;
@@ -14,7 +14,13 @@ const LEAST_COS: f32 = 1.0 / 32.0;
 
 /// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of
 /// users have none, as they tell nothing of their coordinates' growth.
-pub(super) fn footprints(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit, place: &Place<'_>) -> [Footprint; 2] {
+pub(super) fn footprints(
+    scene: &Scene,
+    ray: &Ray,
+    cone: Cone,
+    hit: &Hit,
+    place: &SurfaceInteraction<'_>,
+) -> [Footprint; 2] {
     let material = &scene.data().materials[place.material];
     if !material.has_averaged_textures() || cone == Cone::POINT {
         return [Footprint::POINT; 2];
@@ -40,7 +46,7 @@ struct Section {
     /// What two perpendicular diameters of the cone meet. Which two does not matter to how the section spreads.
     diameters: (Vec3, Vec3),
     /// From the place that the ray hits to the middle.
-    aside: Vec3,
+    offset: Vec3,
 }
 
 /// How much two coordinates grow along a vector: their gradients.
@@ -55,13 +61,13 @@ impl Section {
         let meet = |beside: Vec3| beside - along_d * beside.dot(n);
         let width = cone.width_at(distance);
         let (x, y) = d.any_orthonormal_pair();
-        Self { diameters: (meet(x * width), meet(y * width)), aside: meet(cone.aside * width) }
+        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.aside * width) }
     }
 
     /// In the coordinates that grow like this.
     fn on(&self, (u, v): Growth) -> Footprint {
         let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
-        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.aside) }
+        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.offset) }
     }
 }
 
@@ -103,7 +109,7 @@ mod tests {
                 // The point 0.05 · aside beside the ray, moved along d into the plane.
                 let beside = aside * 0.05;
                 let met = beside - d * (beside.dot(n) / d.dot(n));
-                assert!((section.aside - met).length() < 1e-6, "{} {met}", section.aside);
+                assert!((section.offset - met).length() < 1e-6, "{} {met}", section.offset);
                 // A parallelogram as large as the square of the cone's width, seen at an angle.
                 let area = section.diameters.0.cross(section.diameters.1);
                 assert!((area.length() * n.dot(d).abs() - 0.0025).abs() < 1e-6 && area.cross(n).length() < 1e-6);
@@ -124,11 +130,11 @@ mod tests {
         let coordinates = |p: Vec3| Vec2::new(p.dot(u), p.dot(v));
         let triangle = placed(p);
         let [e1, e2] = triangle.edges;
-        let section = Section { diameters: (e1 * 0.3, e2 - e1), aside: e2 * 0.1 };
+        let section = Section { diameters: (e1 * 0.3, e2 - e1), offset: e2 * 0.1 };
         let found = section.on(barycentric_growth(&triangle)).mapped(p.map(coordinates));
         let expected = Footprint {
             sides: [coordinates(section.diameters.0), coordinates(section.diameters.1)],
-            aside: coordinates(section.aside),
+            aside: coordinates(section.offset),
         };
         for (found, expected) in found.sides.into_iter().zip(expected.sides) {
             assert!((found - expected).length() < 1e-5, "{found} {expected}");

@@ -2,20 +2,20 @@
 
 use glam::{Vec3, Vec4};
 
-use super::hit_geometry::{Place, locate};
+use super::hit_geometry::{SurfaceInteraction, intersect_geometry};
 use super::ray_footprint::footprints;
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
 use crate::geometry::{Cone, Ray, offset_origin, offset_origins};
-use crate::scene::{Decode, Material, TextureRef};
+use crate::scene::{ColorEncoding, Material, TextureRef};
 use crate::world::Scene;
 
 /// BLEND and MASK layers that a ray may pass in a row.
-pub(crate) const MAX_LAYERS: u8 = 64;
+pub(crate) const MAX_TRANSPARENT_HITS: u8 = 64;
 
 /// A surface point that wants light: what a tracer needs to know of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vertex {
+pub(crate) struct ShadingPoint {
     /// Metres, world space.
     pub position: Vec3,
     /// Unit shading normal, on the viewer's side.
@@ -30,7 +30,7 @@ pub(crate) struct Vertex {
     pub pixel: u32,
 }
 
-impl Vertex {
+impl ShadingPoint {
     /// Where a ray towards `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_origin(self.position, self.ng, self.extent, direction)
@@ -45,17 +45,17 @@ impl Vertex {
 
 /// A hit, evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface {
+pub(crate) struct ShadedHit {
     pub position: Vec3,
     pub n: Vec3,
     pub ng: Vec3,
     pub extent: f32,
     /// The fraction of the ray that meets the surface; the rest goes on.
-    pub coverage: f32,
+    pub opacity: f32,
     /// Radiance that is shown towards the viewer, cd/m²: emission, or the colour of an unlit surface.
     pub emission: Vec3,
     /// The part of it that lights other surfaces: not that of unlit ones.
-    pub lights: Vec3,
+    pub illuminating: Vec3,
     /// Lambertian albedo.
     pub diffuse: Vec3,
     /// Weight of the mirror direction.
@@ -66,10 +66,10 @@ pub(crate) struct Surface {
     pub refracted: Vec3,
 }
 
-impl Surface {
+impl ShadedHit {
     /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(crate) fn vertex(&self, beta: Vec3, pixel: u32) -> Vertex {
-        Vertex {
+    pub(crate) fn shading_point(&self, beta: Vec3, pixel: u32) -> ShadingPoint {
+        ShadingPoint {
             position: self.position,
             n: self.n,
             ng: self.ng,
@@ -81,7 +81,7 @@ impl Surface {
 
     /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
     /// into the surface.
-    pub(crate) fn mirrored(&self, direction: Vec3) -> Vec3 {
+    pub(crate) fn reflect(&self, direction: Vec3) -> Vec3 {
         let d = direction.normalize();
         let about = |n: Vec3| d - n * (2.0 * n.dot(d));
         let mirrored = about(self.n);
@@ -89,39 +89,39 @@ impl Surface {
     }
 
     /// A ray from the surface along `direction`.
-    pub(crate) fn leave(&self, direction: Vec3) -> Ray {
+    pub(crate) fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
     }
 }
 
 /// Evaluates what `ray` hit, its textures at a point.
-pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> Surface {
-    evaluate_at(scene, ray, &locate(scene, ray, hit))
+pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> ShadedHit {
+    evaluate_at(scene, ray, &intersect_geometry(scene, ray, hit))
 }
 
 /// Evaluates what `ray` hit, its colours averaged over what the cone about it sees. Normal maps and the maps of roughness, metal and
 /// transmission are looked up at a point: what they say acts on light through curves and thresholds, and the picture of a mean is not
 /// the mean of pictures.
-pub(crate) fn evaluate_seen(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> Surface {
-    let mut place = locate(scene, ray, hit);
+pub(crate) fn evaluate_footprint(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> ShadedHit {
+    let mut place = intersect_geometry(scene, ray, hit);
     place.footprints = footprints(scene, ray, cone, hit, &place);
     evaluate_at(scene, ray, &place)
 }
 
 /// Evaluates the material at a place; the model is documented at [`Material`].
-fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place<'_>) -> Surface {
+fn evaluate_at(scene: &Scene, ray: &Ray, place: &SurfaceInteraction<'_>) -> ShadedHit {
     let material = &scene.data().materials[place.material];
     let n = bumped_normal(scene, material, place);
     let base = base_color(scene, material, place);
     let coverage = coverage(material, base.w);
     let base = base.truncate();
     if material.unlit {
-        return Surface { emission: base, ..plain(place, n, coverage) };
+        return ShadedHit { emission: base, ..plain(place, n, coverage) };
     }
     // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area lights.
     let shines = place.front || material.double_sided;
     let emission = if shines { emission(scene, material, place) } else { Vec3::ZERO };
-    let lambert = Surface { emission, lights: emission, diffuse: base, ..plain(place, n, coverage) };
+    let lambert = ShadedHit { emission, illuminating: emission, diffuse: base, ..plain(place, n, coverage) };
     if material.is_lambert() {
         return lambert;
     }
@@ -150,7 +150,7 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place<'_>) -> Surface {
 
     let refracted = if thin || cos2_t <= 0.0 { d } else { d * eta + n * (eta * cos_o - cos2_t.sqrt()) };
     let below = (1.0 - metallic) * (Vec3::ONE - fresnel) * base;
-    Surface {
+    ShadedHit {
         diffuse: below * (1.0 - transmission),
         mirror: fresnel,
         refraction: below * transmission,
@@ -161,15 +161,15 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &Place<'_>) -> Surface {
 
 /// The colour that a shadow ray keeps where it crosses a surface that is not solid.
 pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 {
-    let place = locate(scene, ray, hit);
+    let place = intersect_geometry(scene, ray, hit);
     let base = base_color(scene, &scene.data().materials[place.material], &place).truncate();
     let surface = evaluate_at(scene, ray, &place);
-    let passed = (1.0 - surface.coverage) * Vec3::ONE.lerp(base, surface.coverage);
-    passed + surface.coverage * surface.refraction
+    let passed = (1.0 - surface.opacity) * Vec3::ONE.lerp(base, surface.opacity);
+    passed + surface.opacity * surface.refraction
 }
 
 /// Whether the surface that was hit stops every shadow ray.
-pub(crate) fn is_solid(scene: &Scene, hit: &Hit) -> bool {
+pub(crate) fn is_opaque(scene: &Scene, hit: &Hit) -> bool {
     scene.is_solid(material_of(scene, hit))
 }
 
@@ -185,19 +185,19 @@ fn material_of(scene: &Scene, hit: &Hit) -> usize {
 
 /// Whether the ray met the back of a surface that has one: the sign of a solid's inside.
 pub(crate) fn is_back_face(scene: &Scene, ray: &Ray, hit: &Hit) -> bool {
-    !scene.data().materials[material_of(scene, hit)].double_sided && !locate(scene, ray, hit).front
+    !scene.data().materials[material_of(scene, hit)].double_sided && !intersect_geometry(scene, ray, hit).front
 }
 
 /// A surface that neither emits nor reflects.
-fn plain(place: &Place<'_>, n: Vec3, coverage: f32) -> Surface {
-    Surface {
+fn plain(place: &SurfaceInteraction<'_>, n: Vec3, coverage: f32) -> ShadedHit {
+    ShadedHit {
         position: place.position,
         n,
         ng: place.ng,
         extent: place.extent,
-        coverage,
+        opacity: coverage,
         emission: Vec3::ZERO,
-        lights: Vec3::ZERO,
+        illuminating: Vec3::ZERO,
         diffuse: Vec3::ZERO,
         mirror: Vec3::ZERO,
         refraction: Vec3::ZERO,
@@ -206,7 +206,14 @@ fn plain(place: &Place<'_>, n: Vec3, coverage: f32) -> Surface {
 }
 
 /// Schlick's approximation with glTF's F0 and F90 (see [`Material`]).
-fn schlick(scene: &Scene, material: &Material, place: &Place<'_>, base: Vec3, metallic: f32, cos: f32) -> Vec3 {
+fn schlick(
+    scene: &Scene,
+    material: &Material,
+    place: &SurfaceInteraction<'_>,
+    base: Vec3,
+    metallic: f32,
+    cos: f32,
+) -> Vec3 {
     let specular = material.specular * linear_texture(scene, material.specular_texture, place).w;
     let color = material.specular_color * color_texture(scene, material.specular_color_texture, place).truncate();
     let ratio = (material.ior - 1.0) / (material.ior + 1.0);
@@ -225,34 +232,34 @@ fn coverage(material: &Material, alpha: f32) -> f32 {
     }
 }
 
-fn base_color(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec4 {
+fn base_color(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec4 {
     let texture = color_texture(scene, material.base_color_texture, place);
     (material.base_color.extend(material.alpha) * place.color * texture).clamp(Vec4::ZERO, Vec4::ONE)
 }
 
-fn emission(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec3 {
+fn emission(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec3 {
     material.emission * color_texture(scene, material.emission_texture, place).truncate()
 }
 
 /// A texture of colours, the mean over the footprint.
-fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place<'_>) -> Vec4 {
+fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &SurfaceInteraction<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
     let image = &scene.data().images[texture.image];
     let (uv, footprint) = (r.transform.apply(place.uvs[r.uv_set]), place.footprints[r.uv_set]);
     let footprint = footprint.transformed(&r.transform);
-    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), Decode::Srgb)
+    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), ColorEncoding::Srgb)
 }
 
 /// A texture of numbers, at a point.
-fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &Place<'_>) -> Vec4 {
+fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &SurfaceInteraction<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
-    texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), Decode::Linear)
+    texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), ColorEncoding::Linear)
 }
 
 /// The shading normal, turned by the normal map (glTF 2.0 §3.9.3).
-fn bumped_normal(scene: &Scene, material: &Material, place: &Place<'_>) -> Vec3 {
+fn bumped_normal(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec3 {
     let (Some(map), Some((tangent, bitangent))) = (material.normal_texture, place.tangents) else { return place.n };
     let texel = linear_texture(scene, Some(map), place).truncate() * 2.0 - 1.0;
     let (x, y) = (texel.x * material.normal_scale, texel.y * material.normal_scale);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::surface::{is_solid, shadow_transmittance};
+use super::surface::{is_opaque, shadow_transmittance};
 use crate::bvh::Hit;
 use crate::geometry::Ray;
 use crate::world::Scene;
@@ -21,7 +21,7 @@ pub(crate) struct VisibilityScratch {
 /// through glass and other BLEND or transmissive ones.
 pub(crate) fn visibility(scene: &Scene, rays: &[Ray], scratch: &mut VisibilityScratch, passed: &mut Vec<Vec3>) {
     passed.clear();
-    if scene.all_solid() {
+    if scene.all_opaque() {
         scratch.hidden.resize(rays.len(), false);
         scene.bvh().occluded_batch(rays, &mut scratch.hidden[..rays.len()]);
         passed.extend(scratch.hidden[..rays.len()].iter().map(|&hidden| if hidden { Vec3::ZERO } else { Vec3::ONE }));
@@ -36,7 +36,7 @@ fn transmittance(scene: &Scene, ray: &Ray, crossings: &mut Vec<Hit>) -> Vec3 {
     crossings.clear();
     let blocked = scene.bvh().any_hit(ray, |hit: &Hit| {
         crossings.push(*hit);
-        is_solid(scene, hit)
+        is_opaque(scene, hit)
     });
     if blocked {
         return Vec3::ZERO;

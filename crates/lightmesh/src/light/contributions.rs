@@ -17,7 +17,7 @@ pub(crate) struct Receiver {
     /// Unit geometric normal: lights below its plane are doubtful.
     pub ng: Vec3,
     /// So are lights within 60° of this direction, of any length; zero: none are.
-    pub doubt: Vec3,
+    pub occluder_direction: Vec3,
     /// φ3.
     pub falloff: Falloff,
 }
@@ -31,16 +31,21 @@ pub(crate) struct BlockTerms {
     /// f max(0, n · d): what its intensity is multiplied by.
     pub factors: [f32; LANES],
     /// c_i, mean over the channels.
-    pub masses: [f32; LANES],
+    pub contributions: [f32; LANES],
     /// The sum of the masses.
-    pub mass: f32,
+    pub contribution: f32,
     /// Which of them are doubtful, a bit per lane; all of these shine on the surface.
-    pub doubtful: u32,
+    pub towards_occluder: u32,
 }
 
 impl BlockTerms {
-    const NOTHING: Self =
-        Self { directions: [[0.0; LANES]; 3], factors: [0.0; LANES], masses: [0.0; LANES], mass: 0.0, doubtful: 0 };
+    const NOTHING: Self = Self {
+        directions: [[0.0; LANES]; 3],
+        factors: [0.0; LANES],
+        contributions: [0.0; LANES],
+        contribution: 0.0,
+        towards_occluder: 0,
+    };
 
     /// Towards light i, not of unit length.
     #[inline(always)]
@@ -52,7 +57,7 @@ impl BlockTerms {
     /// Which lights give at least so much, a bit per lane.
     #[inline(always)]
     pub(crate) fn giving<S: Simd>(&self, simd: S, least: f32) -> u32 {
-        f32x16::load_array_ref(simd, &self.masses).simd_ge(f32x16::splat(simd, least)).to_bitmask() as u32
+        f32x16::load_array_ref(simd, &self.contributions).simd_ge(f32x16::splat(simd, least)).to_bitmask() as u32
     }
 }
 
@@ -65,14 +70,14 @@ pub(crate) struct LightTerms {
 impl LightTerms {
     /// Looks at all lights from a surface: Σ w_i c_i, lux per channel, with a weight for every lane, and Σ c_i, mean over the channels.
     #[inline(always)]
-    pub(crate) fn look<S: Simd>(
+    pub(crate) fn evaluate<S: Simd>(
         &mut self,
         simd: S,
         lights: &LightSamples,
         receiver: &Receiver,
         weights: &[f32],
     ) -> (Vec3, f32) {
-        let Receiver { position, n, ng, doubt, falloff } = *receiver;
+        let Receiver { position, n, ng, occluder_direction: doubt, falloff } = *receiver;
         self.blocks.resize(lights.lanes() / LANES, BlockTerms::NOTHING);
         let zero = f32x16::splat(simd, 0.0);
         let beyond_least = 0.25 * doubt.length_squared();
@@ -98,14 +103,14 @@ impl LightTerms {
                     let beyond = l.dx * doubt.x + l.dy * doubt.y + l.dz * doubt.z;
                     doubtful |= (beyond * beyond.abs()).simd_gt(r2 * beyond_least);
                 }
-                terms.doubtful = (doubtful & mass.simd_gt(zero)).to_bitmask() as u32;
+                terms.towards_occluder = (doubtful & mass.simd_gt(zero)).to_bitmask() as u32;
                 for (room, d) in terms.directions.iter_mut().zip([l.dx, l.dy, l.dz]) {
                     d.store_array(room);
                 }
                 e.store_array(&mut terms.factors);
-                mass.store_array(&mut terms.masses);
-                terms.mass = sum(mass);
-                total += terms.mass;
+                mass.store_array(&mut terms.contributions);
+                terms.contribution = sum(mass);
+                total += terms.contribution;
                 let weighted = e * f32x16::from_slice(simd, w);
                 r += weighted * red;
                 g += weighted * green;
@@ -118,18 +123,18 @@ impl LightTerms {
     /// Reckons with lanes that are clusters: in front of a surface of this normal they give at least `least`, by lane, in lux, mean over
     /// the channels, if any of their lights, which are within `radii` of their places, can be above it.
     #[inline(always)]
-    pub(crate) fn raise(&mut self, n: Vec3, least: &[f32], radii: &[f32]) {
+    pub(crate) fn raise_to_least(&mut self, n: Vec3, least: &[f32], radii: &[f32]) {
         let rooms = self.blocks.iter_mut().zip(least.chunks_exact(LANES)).zip(radii.chunks_exact(LANES));
         for ((terms, least), radii) in rooms {
             let [x, y, z] = &terms.directions;
             let mut more = 0.0;
             for i in 0..LANES {
                 let above = n.x * x[i] + n.y * y[i] + n.z * z[i] + radii[i];
-                let raised = if above > 0.0 { least[i] } else { 0.0 }.max(terms.masses[i]);
-                more += raised - terms.masses[i];
-                terms.masses[i] = raised;
+                let raised = if above > 0.0 { least[i] } else { 0.0 }.max(terms.contributions[i]);
+                more += raised - terms.contributions[i];
+                terms.contributions[i] = raised;
             }
-            terms.mass += more;
+            terms.contribution += more;
         }
     }
 

@@ -18,7 +18,7 @@ const SHADOWS: f32 = 0.3;
 
 /// Lights and the shadow rays to them; buffers are kept from place to place.
 #[derive(Debug)]
-pub(crate) struct LightsAt<'a> {
+pub(crate) struct LightCut<'a> {
     samples: &'a LightSamples,
     tree: Option<(&'a LightTree, Tolerance)>,
     refinement: Refinement,
@@ -29,9 +29,9 @@ pub(crate) struct LightsAt<'a> {
     seed: u32,
 }
 
-impl<'a> LightsAt<'a> {
+impl<'a> LightCut<'a> {
     /// Every sample, wherever.
-    pub(crate) fn every(samples: &'a LightSamples) -> Self {
+    pub(crate) fn all(samples: &'a LightSamples) -> Self {
         Self {
             samples,
             tree: None,
@@ -45,11 +45,11 @@ impl<'a> LightsAt<'a> {
 
     /// Cuts through the tree over `samples`, to the part `error` of the light.
     pub(crate) fn cut(samples: &'a LightSamples, tree: &'a LightTree, error: f32) -> Self {
-        Self { tree: Some((tree, Tolerance { error, shadows: SHADOWS })), ..Self::every(samples) }
+        Self { tree: Some((tree, Tolerance { error, shadows: SHADOWS })), ..Self::all(samples) }
     }
 
     /// Looks from a place.
-    pub(crate) fn look_from(&mut self, x: Vec3, falloff: Falloff) {
+    pub(crate) fn set_receiver(&mut self, x: Vec3, falloff: Falloff) {
         let Some((tree, tolerance)) = self.tree else { return };
         tree.cut(&Receivers::at(x), falloff, tolerance, &mut self.refinement, &mut self.cut);
         tree.pack(&self.cut, &mut self.clusters, &mut self.nodes);

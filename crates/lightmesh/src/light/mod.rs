@@ -8,7 +8,7 @@ mod samples;
 mod tree;
 
 pub(crate) use contributions::{BlockTerms, LightTerms, Receiver};
-pub(crate) use cut_at::LightsAt;
+pub(crate) use cut_at::LightCut;
 pub(crate) use emitters::Emitters;
 pub(crate) use emitters::sphere::sample_ball;
 pub(crate) use samples::{Directions, LANES, LightSamples};

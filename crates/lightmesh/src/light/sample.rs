@@ -5,39 +5,39 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::emitters::LightSample;
-use super::samples::{Block, Extra, Facing, LANES, LightSamples, MIN_R2};
+use super::samples::{LANES, LightBlock, LightSamples, MIN_R2, PatchLanes, SpotLanes};
 use crate::Falloff;
 use crate::scene::Light;
 
 /// A light sample, or a light that stands for many.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Luminaire {
+pub(crate) struct SampledLight {
     /// Metres; of a directional light the unit vector towards it.
-    pub place: Vec3,
+    pub position: Vec3,
     /// Candela, or lux for a directional one, per channel.
     pub intensity: Vec3,
-    pub emission: Emission,
+    pub emission: LightEmission,
 }
 
 /// How a luminaire shines: the rows of the table in the module's documentation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Emission {
+pub(crate) enum LightEmission {
     /// Alike in every direction, without end.
-    Even,
+    Isotropic,
     /// A patch: the unit normal of the side that shines, 0 or −1 for both sides, A / π in square metres.
     Patch { axis: Vec3, back: f32, spread: f32 },
     /// A spot, a point with a range, or a direction (`w` 0): cone factor clamp(cosθ · scale + offset)² about an axis that points against
     /// the way the light shines, and 1 / R².
-    Shaped { w: f32, axis: Vec3, scale: f32, offset: f32, inv_range2: f32 },
+    Spot { w: f32, axis: Vec3, scale: f32, offset: f32, inv_range2: f32 },
 }
 
-impl Luminaire {
+impl SampledLight {
     pub(super) fn of(sample: &LightSample) -> Self {
         match *sample {
             LightSample::Patch(patch) => Self {
-                place: patch.position,
+                position: patch.position,
                 intensity: patch.intensity_cd,
-                emission: Emission::Patch {
+                emission: LightEmission::Patch {
                     axis: patch.normal,
                     back: if patch.two_sided { -1.0 } else { 0.0 },
                     spread: patch.area * FRAC_1_PI,
@@ -48,15 +48,15 @@ impl Luminaire {
                     Light::Point { position, .. } | Light::Spot { position, .. } => position,
                     Light::Directional { direction, .. } => -direction,
                 };
-                Self { place, intensity: light.color(), emission: Emission::of(&light) }
+                Self { position: place, intensity: light.color(), emission: LightEmission::of(&light) }
             }
         }
     }
 
     /// The plain twin of the blocks' SIMD: d and f of the module's table, as seen from `p`.
     pub(crate) fn arriving(&self, falloff: Falloff, p: Vec3) -> (Vec3, f32) {
-        let w = if let Emission::Shaped { w, .. } = self.emission { w } else { 1.0 };
-        let d = self.place - p * w;
+        let w = if let LightEmission::Spot { w, .. } = self.emission { w } else { 1.0 };
+        let d = self.position - p * w;
         let r2 = d.length_squared().max(MIN_R2);
         let r = r2.sqrt();
         let attenuation = match falloff {
@@ -64,8 +64,8 @@ impl Luminaire {
             Falloff::ConstantPlusDistance { constant } => 1.0 / ((r + constant) * r),
         };
         let f = match self.emission {
-            Emission::Even => attenuation,
-            Emission::Patch { axis, back, spread } => {
+            LightEmission::Isotropic => attenuation,
+            LightEmission::Patch { axis, back, spread } => {
                 let ahead = -d.dot(axis) / r;
                 let cos = ahead.max(ahead * back);
                 match falloff {
@@ -73,8 +73,8 @@ impl Luminaire {
                     Falloff::ConstantPlusDistance { .. } => attenuation * cos,
                 }
             }
-            Emission::Shaped { w: 0.0, .. } => 1.0,
-            Emission::Shaped { axis, scale, offset, inv_range2, .. } => {
+            LightEmission::Spot { w: 0.0, .. } => 1.0,
+            LightEmission::Spot { axis, scale, offset, inv_range2, .. } => {
                 let cone = (d.dot(axis) / r * scale + offset).clamp(0.0, 1.0);
                 let q = r2 * inv_range2;
                 attenuation * cone * cone * (1.0 - q * q).max(0.0)
@@ -84,19 +84,19 @@ impl Luminaire {
     }
 }
 
-impl Emission {
+impl LightEmission {
     fn of(light: &Light) -> Self {
         let inv_range2 = |range: Option<f32>| range.map_or(0.0, |r| 1.0 / (r * r));
-        let round = |w, inv_range2| Self::Shaped { w, axis: Vec3::ZERO, scale: 0.0, offset: 1.0, inv_range2 };
+        let round = |w, inv_range2| Self::Spot { w, axis: Vec3::ZERO, scale: 0.0, offset: 1.0, inv_range2 };
         match *light {
-            Light::Point { range: None, .. } => Self::Even,
+            Light::Point { range: None, .. } => Self::Isotropic,
             Light::Point { range, .. } => round(1.0, inv_range2(range)),
             Light::Spot { direction, range, inner_cone_angle, outer_cone_angle, .. } => {
                 // KHR_lights_punctual: scale = 1 / max(0.001, cos inner − cos outer), offset = −cos outer · scale.
                 let (inner, outer) = (libm::cosf(inner_cone_angle), libm::cosf(outer_cone_angle));
                 let scale = 1.0 / (inner - outer).max(1e-3);
                 let inv_range2 = inv_range2(range);
-                Self::Shaped { w: 1.0, axis: -direction, scale, offset: -outer * scale, inv_range2 }
+                Self::Spot { w: 1.0, axis: -direction, scale, offset: -outer * scale, inv_range2 }
             }
             Light::Directional { .. } => round(0.0, 0.0),
         }
@@ -105,28 +105,28 @@ impl Emission {
     /// Where its blocks come among all.
     pub(super) fn order(&self) -> u8 {
         match self {
-            Self::Even => 0,
+            Self::Isotropic => 0,
             Self::Patch { .. } => 1,
-            Self::Shaped { .. } => 2,
+            Self::Spot { .. } => 2,
         }
     }
 }
 
 impl LightSamples {
     /// The light of a lane; `None` for padding.
-    pub(crate) fn luminaire(&self, lane: usize) -> Option<Luminaire> {
+    pub(crate) fn sample(&self, lane: usize) -> Option<SampledLight> {
         let (index, i) = (lane / LANES, lane % LANES);
         let block = &self.blocks[index];
         let place = Vec3::new(block.x[i], block.y[i], block.z[i]);
         let intensity = self.intensity(lane);
-        let plain = self.blocks.len() - self.facings.len() - self.extras.len();
+        let plain = self.blocks.len() - self.patches.len() - self.spots.len();
         let emission = if index < plain {
-            Emission::Even
-        } else if let Some(f) = self.facings.get(index - plain) {
-            Emission::Patch { axis: Vec3::new(f.ax[i], f.ay[i], f.az[i]), back: f.back[i], spread: f.spread[i] }
+            LightEmission::Isotropic
+        } else if let Some(f) = self.patches.get(index - plain) {
+            LightEmission::Patch { axis: Vec3::new(f.ax[i], f.ay[i], f.az[i]), back: f.back[i], spread: f.spread[i] }
         } else {
-            let e = &self.extras[index - plain - self.facings.len()];
-            Emission::Shaped {
+            let e = &self.spots[index - plain - self.patches.len()];
+            LightEmission::Spot {
                 w: e.w[i],
                 axis: Vec3::new(e.ax[i], e.ay[i], e.az[i]),
                 scale: e.cone_scale[i],
@@ -134,44 +134,44 @@ impl LightSamples {
                 inv_range2: e.inv_range2[i],
             }
         };
-        (intensity != Vec3::ZERO).then_some(Luminaire { place, intensity, emission })
+        (intensity != Vec3::ZERO).then_some(SampledLight { position: place, intensity, emission })
     }
 
     /// No lights; what was allocated is kept.
     pub(crate) fn clear(&mut self) {
         self.blocks.clear();
-        self.facings.clear();
-        self.extras.clear();
+        self.patches.clear();
+        self.spots.clear();
         self.count = 0;
         self.last_lanes = 0;
     }
 
     /// Adds a light and returns its lane. Even ones come first, then patches, then shaped ones.
-    pub(crate) fn push(&mut self, light: &Luminaire) -> usize {
+    pub(crate) fn push(&mut self, light: &SampledLight) -> usize {
         let first_of_kind = match light.emission {
-            Emission::Even => self.blocks.is_empty(),
-            Emission::Patch { .. } => self.facings.is_empty(),
-            Emission::Shaped { .. } => self.extras.is_empty(),
+            LightEmission::Isotropic => self.blocks.is_empty(),
+            LightEmission::Patch { .. } => self.patches.is_empty(),
+            LightEmission::Spot { .. } => self.spots.is_empty(),
         };
         if first_of_kind || self.last_lanes == LANES {
-            self.blocks.push(Block::PADDING);
+            self.blocks.push(LightBlock::PADDING);
             match light.emission {
-                Emission::Even => debug_assert!(self.facings.is_empty() && self.extras.is_empty()),
-                Emission::Patch { .. } => self.facings.push(Facing::PADDING),
-                Emission::Shaped { .. } => self.extras.push(Extra::PADDING),
+                LightEmission::Isotropic => debug_assert!(self.patches.is_empty() && self.spots.is_empty()),
+                LightEmission::Patch { .. } => self.patches.push(PatchLanes::PADDING),
+                LightEmission::Spot { .. } => self.spots.push(SpotLanes::PADDING),
             }
             self.last_lanes = 0;
         }
         let (index, i) = (self.blocks.len() - 1, self.last_lanes);
         let block = &mut self.blocks[index];
-        [block.x[i], block.y[i], block.z[i]] = light.place.to_array();
+        [block.x[i], block.y[i], block.z[i]] = light.position.to_array();
         [block.r[i], block.g[i], block.b[i]] = light.intensity.to_array();
-        match (light.emission, self.facings.last_mut(), self.extras.last_mut()) {
-            (Emission::Patch { axis, back, spread }, Some(f), _) => {
+        match (light.emission, self.patches.last_mut(), self.spots.last_mut()) {
+            (LightEmission::Patch { axis, back, spread }, Some(f), _) => {
                 [f.ax[i], f.ay[i], f.az[i]] = axis.to_array();
                 (f.back[i], f.spread[i]) = (back, spread);
             }
-            (Emission::Shaped { w, axis, scale, offset, inv_range2 }, _, Some(e)) => {
+            (LightEmission::Spot { w, axis, scale, offset, inv_range2 }, _, Some(e)) => {
                 [e.ax[i], e.ay[i], e.az[i]] = axis.to_array();
                 (e.w[i], e.cone_scale[i], e.cone_offset[i], e.inv_range2[i]) = (w, scale, offset, inv_range2);
             }
@@ -183,18 +183,18 @@ impl LightSamples {
     }
 }
 
-impl Block {
+impl LightBlock {
     /// Stands far away and shines with zero.
     const PADDING: Self =
         Self { x: [1e9; LANES], y: [1e9; LANES], z: [1e9; LANES], r: [0.0; LANES], g: [0.0; LANES], b: [0.0; LANES] };
 }
 
-impl Facing {
+impl PatchLanes {
     const PADDING: Self =
         Self { ax: [0.0; LANES], ay: [0.0; LANES], az: [0.0; LANES], back: [0.0; LANES], spread: [0.0; LANES] };
 }
 
-impl Extra {
+impl SpotLanes {
     const PADDING: Self = Self {
         w: [1.0; LANES],
         ax: [0.0; LANES],
@@ -245,12 +245,12 @@ mod tests {
         let mut again = LightSamples::new(&samples[..7]);
         again.clear();
         for lane in 0..lights.lanes() {
-            if let Some(luminaire) = lights.luminaire(lane) {
+            if let Some(luminaire) = lights.sample(lane) {
                 assert_eq!(again.push(&luminaire), lane);
             }
         }
         assert_eq!((again.len(), again.lanes()), (lights.len(), lights.lanes()));
-        assert!((0..lights.lanes()).all(|lane| again.luminaire(lane) == lights.luminaire(lane)));
+        assert!((0..lights.lanes()).all(|lane| again.sample(lane) == lights.sample(lane)));
 
         // And what arrives of each is what the blocks say.
         let p = Vec3::new(40.3, 1.2, 3.0);
@@ -258,7 +258,7 @@ mod tests {
             let mut directions = Directions::default();
             lights.directions(Level::new(), falloff, p, &mut directions);
             for lane in 0..lights.lanes() {
-                let Some(luminaire) = lights.luminaire(lane) else { continue };
+                let Some(luminaire) = lights.sample(lane) else { continue };
                 let (d, f) = luminaire.arriving(falloff, p);
                 assert_eq!(d, Vec3::new(directions.dx[lane], directions.dy[lane], directions.dz[lane]));
                 let expected = directions.f[lane];

@@ -24,7 +24,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x16};
 use glam::Vec3;
 
 use super::emitters::LightSample;
-use super::sample::Luminaire;
+use super::sample::SampledLight;
 use crate::Falloff;
 use crate::geometry::Ray;
 
@@ -41,7 +41,7 @@ pub(super) const MIN_R2: f32 = 1e-12;
 /// Positions (or directions) and intensities of sixteen lights.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(crate) struct Block {
+pub(crate) struct LightBlock {
     pub(crate) x: [f32; LANES],
     pub(crate) y: [f32; LANES],
     pub(crate) z: [f32; LANES],
@@ -53,7 +53,7 @@ pub(crate) struct Block {
 /// What lights other than plain points add to their block.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(crate) struct Extra {
+pub(crate) struct SpotLanes {
     /// 1 for a position, 0 for a direction.
     pub(crate) w: [f32; LANES],
     /// Axis of the cone, against the way the light shines.
@@ -70,7 +70,7 @@ pub(crate) struct Extra {
 /// What patches of area lights add to their block.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(crate) struct Facing {
+pub(crate) struct PatchLanes {
     /// The normal of the side that shines.
     pub(crate) ax: [f32; LANES],
     pub(crate) ay: [f32; LANES],
@@ -84,10 +84,10 @@ pub(crate) struct Facing {
 /// The light samples of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightSamples {
-    /// Blocks of plain point lights first, then patches, then those that have an [`Extra`].
-    pub(crate) blocks: Vec<Block>,
-    pub(crate) facings: Vec<Facing>,
-    pub(crate) extras: Vec<Extra>,
+    /// Blocks of plain point lights first, then patches, then those that have an [`SpotLanes`].
+    pub(crate) blocks: Vec<LightBlock>,
+    pub(crate) patches: Vec<PatchLanes>,
+    pub(crate) spots: Vec<SpotLanes>,
     pub(crate) count: usize,
     /// Lanes of the last block that have a light.
     pub(crate) last_lanes: usize,
@@ -105,7 +105,7 @@ pub(crate) struct Directions {
 impl LightSamples {
     /// Those of the samples that shine, plain points first, then patches, then the others.
     pub(crate) fn new(samples: &[LightSample]) -> Self {
-        let mut luminaires: Vec<Luminaire> = samples.iter().map(Luminaire::of).collect();
+        let mut luminaires: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
         luminaires.retain(|luminaire| luminaire.intensity != Vec3::ZERO);
         luminaires.sort_by_key(|luminaire| luminaire.emission.order());
         let mut lights = Self::default();
@@ -143,8 +143,8 @@ impl LightSamples {
     }
 
     fn is_directional(&self, lane: usize) -> bool {
-        let plain = self.blocks.len() - self.extras.len();
-        (lane / LANES).checked_sub(plain).is_some_and(|e| self.extras[e].w[lane % LANES] == 0.0)
+        let plain = self.blocks.len() - self.spots.len();
+        (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }
 
     /// Unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of formula (2).
@@ -232,35 +232,35 @@ pub(super) fn for_each_block<S: Simd>(
     lights: &LightSamples,
     falloff: Falloff,
     p: Vec3,
-    mut visit: impl FnMut(&Block, usize, Lanes<S>),
+    mut visit: impl FnMut(&LightBlock, usize, Lanes<S>),
 ) {
-    let (plain, rest) = lights.blocks.split_at(lights.blocks.len() - lights.facings.len() - lights.extras.len());
-    let (patches, shaped) = rest.split_at(lights.facings.len());
+    let (plain, rest) = lights.blocks.split_at(lights.blocks.len() - lights.patches.len() - lights.spots.len());
+    let (patches, shaped) = rest.split_at(lights.patches.len());
     let mut first = 0;
     for block in plain {
         visit(block, first, plain_lanes(simd, block, falloff, p));
         first += LANES;
     }
-    for (block, facing) in patches.iter().zip(&lights.facings) {
+    for (block, facing) in patches.iter().zip(&lights.patches) {
         visit(block, first, patch_lanes(simd, block, facing, falloff, p));
         first += LANES;
     }
-    for (block, extra) in shaped.iter().zip(&lights.extras) {
-        visit(block, first, shaped_lanes(simd, block, extra, falloff, p));
+    for (block, extra) in shaped.iter().zip(&lights.spots) {
+        visit(block, first, spot_lanes(simd, block, extra, falloff, p));
         first += LANES;
     }
 }
 
 /// d and f of plain point lights.
 #[inline(always)]
-fn plain_lanes<S: Simd>(simd: S, block: &Block, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn plain_lanes<S: Simd>(simd: S, block: &LightBlock, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) }
 }
 
 #[inline(always)]
-fn offset<S: Simd>(simd: S, block: &Block, p: Vec3, w: f32x16<S>) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
+fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
     (
         f32x16::from_slice(simd, &block.x) - w * p.x,
         f32x16::from_slice(simd, &block.y) - w * p.y,
@@ -279,7 +279,7 @@ fn attenuation<S: Simd>(falloff: Falloff, r2: f32x16<S>, r: f32x16<S>) -> f32x16
 
 /// d and f of patches.
 #[inline(always)]
-fn patch_lanes<S: Simd>(simd: S, block: &Block, facing: &Facing, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, facing: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
     let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
@@ -298,7 +298,7 @@ fn patch_lanes<S: Simd>(simd: S, block: &Block, facing: &Facing, falloff: Fallof
 
 /// d and f of spots, ranges and directions.
 #[inline(always)]
-fn shaped_lanes<S: Simd>(simd: S, block: &Block, extra: &Extra, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, extra: &SpotLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
     let w = load(&extra.w);

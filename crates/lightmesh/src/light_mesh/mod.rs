@@ -10,12 +10,12 @@ mod prefill;
 mod snapshot;
 
 use glam::Vec3;
-pub(crate) use snapshot::PointCounts;
-pub use snapshot::{Contents, Counts, DirectContents, DirectValues, IndirectContents, PointContents};
+pub(crate) use snapshot::PointCursor;
+pub use snapshot::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, PointSnapshot, Snapshot};
 
 use crate::direct::DirectField;
 use crate::indirect::IndirectField;
-use crate::mesh::{Lattice, Marks, Neighbourhood, Wanted, requests};
+use crate::mesh::{Interpolator, Lattice, Marks, PointRequests, requests};
 use crate::{Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
 /// Lazily filled meshes of direct and indirect light. They belong to one scene and one [`MeshKey`], and serve up to the
@@ -27,7 +27,7 @@ pub struct LightMesh {
     /// The bounces that it was made for.
     bounces: u32,
     /// How often it has been made ready for a picture.
-    preparation: u64,
+    generation: u64,
     pub(crate) direct: DirectField,
     /// Where there are bounces, or emission that only gather rays find.
     pub(crate) indirect: Option<IndirectField>,
@@ -47,7 +47,7 @@ impl LightMesh {
     /// fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         options.validate()?;
-        let neighbourhood = Neighbourhood::of(options);
+        let neighbourhood = Interpolator::of(options);
         let resolved = options.resolved();
         let lattices = |option, spacing: Spacing| {
             let bounds = scene.bounds();
@@ -75,7 +75,7 @@ impl LightMesh {
         Ok(Self {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,
-            preparation: 0,
+            generation: 0,
             direct: DirectField::new(scene, direct, neighbourhood, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
         })
@@ -119,7 +119,8 @@ impl LightMesh {
         if options.method.has_mesh() {
             stats.direct = self.stats();
             stats.indirect = self.indirect_stats();
-            stats.left_out = self.indirect.as_ref().and_then(|field| field.left_out(options.transport.bounces));
+            stats.truncated_light =
+                self.indirect.as_ref().and_then(|field| field.truncated_light(options.transport.bounces));
         }
     }
 
@@ -134,17 +135,17 @@ impl LightMesh {
     }
 
     /// Makes ready for another picture: takes all refinement back; points that are filled stay so.
-    pub(crate) fn coarsen(&mut self) {
-        self.preparation += 1;
-        self.direct.points_mut().coarsen();
+    pub(crate) fn reset_refinement(&mut self) {
+        self.generation += 1;
+        self.direct.points_mut().reset_refinement();
         if let Some(field) = &mut self.indirect {
-            field.points_mut().coarsen();
+            field.points_mut().reset_refinement();
         }
     }
 
     /// Which picture it is refined for; another number for each.
-    pub(crate) fn preparation(&self) -> u64 {
-        self.preparation
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation
     }
 
     /// Whether it has indirect light.
@@ -165,8 +166,8 @@ impl LightMesh {
 }
 
 /// The marks of both meshes.
-pub(crate) fn take_all(mut marks: LightMarks) -> Wanted {
-    Wanted {
+pub(crate) fn take_requests(mut marks: LightMarks) -> PointRequests {
+    PointRequests {
         direct: requests::take(&mut marks.direct),
         indirect: marks.indirect.as_mut().map_or_else(Vec::new, requests::take),
     }

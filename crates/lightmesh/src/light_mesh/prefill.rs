@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::LightMesh;
-use crate::direct::{DirectLighting, Plan};
+use crate::direct::{DirectLighting, LightingPlan};
 use crate::geometry::Aabb;
 use crate::mesh::{Address, Coordinate, Marks, Points, Slot};
 use crate::progress::Reporter;
@@ -24,14 +24,14 @@ impl LightMesh {
     /// [`Error::InvalidOption`] for options out of range, a method without a mesh or options that the mesh was not made for,
     /// [`Error::OutOfMemory`] before anything is evaluated if the points would not fit, and later if those would not that the indirect
     /// points depend on, [`Error::Cancelled`] soon after `progress` says so. What has been evaluated stays.
-    pub fn fill_box(
+    pub fn prefill_box(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
         bounds: &Aabb,
         progress: &dyn Progress,
     ) -> Result<RenderStats, Error> {
-        self.fill_ahead(scene, options, progress, |points, marks| {
+        self.prefill(scene, options, progress, |points, marks| {
             if let Some(block) = points.level(0).lattice.points_in(bounds) {
                 mark_block(points, marks, block);
             }
@@ -42,8 +42,8 @@ impl LightMesh {
     /// depend on. Places outside the scene's box have no points to read.
     ///
     /// # Errors
-    /// As [`LightMesh::fill_box`].
-    pub fn fill_around(
+    /// As [`LightMesh::prefill_box`].
+    pub fn prefill_meters(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
@@ -51,14 +51,14 @@ impl LightMesh {
         progress: &dyn Progress,
     ) -> Result<RenderStats, Error> {
         let spacing = self.direct.points().spacing();
-        self.fill_ahead(scene, options, progress, |points, marks| {
+        self.prefill(scene, options, progress, |points, marks| {
             places.par_iter().filter(|&&p| reaches(scene, spacing, p)).for_each(|&p| {
                 mark_block(points, marks, points.neighbourhood.around(&points.level(0).lattice, p));
             });
         })
     }
 
-    fn fill_ahead(
+    fn prefill(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
@@ -104,7 +104,7 @@ impl LightMesh {
                 let mut direct = DirectLighting {
                     scene,
                     options,
-                    plan: Plan::of(options),
+                    plan: LightingPlan::of(options),
                     field: &mut self.direct,
                     marks: &mut marks.direct,
                     reporter: &reporter,

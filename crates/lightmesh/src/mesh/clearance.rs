@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::corners::{ByCorner, bits};
+use super::corners::{ByCorner, set_bits};
 
 /// Distances to the next solid surface along +x, −x, +y, −y, +z, −z, in 1/255 of the spacing, rounded down; 255: none
 /// before the neighbour. The seventh byte has a bit per side that is set where there is none.
@@ -47,25 +47,25 @@ impl Clearance {
 
 /// The clearances of a cell's corners towards one side, in 1/255 of the spacing.
 #[inline(always)]
-pub(super) fn room(corners: &[Clearance; 8], side: usize) -> ByCorner {
+pub(super) fn distances(corners: &[Clearance; 8], side: usize) -> ByCorner {
     [0, 4].map(|z| Vec4::from_array(std::array::from_fn(|k| f32::from(corners[z + k].0[side]))))
 }
 
 /// The corners that have surfaces near on four sides or more, as points have that are inside something thin: they say nothing
 /// about what is around it.
-pub(super) fn enclosed(corners: &[Clearance; 8]) -> u8 {
+pub(super) fn boxed_in(corners: &[Clearance; 8]) -> u8 {
     let is_enclosed = |k: usize| corners[k].0[Clearance::FREE_SIDES].count_ones() <= 2;
     (0..8).map(|k| u8::from(is_enclosed(k)) << k).sum()
 }
 
 /// Which edges of a cell are free: for each axis a bit per corner at the lower end of its edge.
-pub(super) type Links = [u8; 3];
+pub(super) type FreeEdges = [u8; 3];
 
 /// The lower ends of the edges along x, y and z: corners without bit 0, 1 and 2 of their number.
-const LOWER: Links = [0b0101_0101, 0b0011_0011, 0b0000_1111];
+const LOWER: FreeEdges = [0b0101_0101, 0b0011_0011, 0b0000_1111];
 
 /// The free edges of a cell. Both ends must see each other: a wall may lie on one of them.
-pub(crate) fn links(corners: &[Clearance; 8]) -> Links {
+pub(crate) fn free_edges(corners: &[Clearance; 8]) -> FreeEdges {
     let rows = corners.map(|corner| corner.0[Clearance::FREE_SIDES]);
     // By side, a bit per corner.
     let free = transpose(u64::from_le_bytes(rows)).to_le_bytes();
@@ -84,7 +84,7 @@ fn transpose(mut x: u64) -> u64 {
 /// The corners of `mask` that can be reached from its lowest one along free edges between corners of `mask`. `mask` must
 /// not be empty.
 #[inline(always)]
-pub(super) fn piece(links: &Links, mask: u8) -> u8 {
+pub(super) fn component(links: &FreeEdges, mask: u8) -> u8 {
     let mut reached = mask & mask.wrapping_neg();
     loop {
         let mut next = reached;
@@ -102,7 +102,7 @@ pub(super) fn piece(links: &Links, mask: u8) -> u8 {
 
 /// The sides on which any of the corners of `mask` has a surface near, a bit each.
 pub(super) fn blocked(corners: &[Clearance; 8], mask: u8) -> u8 {
-    bits(mask).fold(0, |blocked, k| blocked | !corners[k].0[Clearance::FREE_SIDES]) & 0b11_1111
+    set_bits(mask).fold(0, |blocked, k| blocked | !corners[k].0[Clearance::FREE_SIDES]) & 0b11_1111
 }
 
 /// How much nearer than the reader's plane something must be to stand before it, in 1/255 of the spacing: a tenth of the
@@ -114,7 +114,7 @@ const PLANE_SLACK: f32 = 25.0;
 const SLACK: f32 = 4.0;
 
 /// The corners that, looking towards `side` of the cell, meet a surface before the plane of normal `ng` over which they
-/// have these `heights`, in spacings: whatever reader lies on the plane, [`parted`] says no where none does.
+/// have these `heights`, in spacings: whatever reader lies on the plane, [`occluded`] says no where none does.
 #[inline(always)]
 pub(super) fn before_plane(side: usize, ng: Vec3, heights: &ByCorner, room: &ByCorner) -> u8 {
     let approach = if side & 1 == 0 { -ng[side / 2] } else { ng[side / 2] };
@@ -135,7 +135,7 @@ fn reach(approach: f32, heights: Vec4) -> Vec4 {
 /// above which the corners have these `heights`, all in spacings. Towards the reader the corners have so much `room`. A surface
 /// that is nearer than both the reader and its plane may hide it.
 #[inline(always)]
-pub(super) fn parted(
+pub(super) fn occluded(
     axis: usize,
     upper: bool,
     d: f32,
@@ -183,11 +183,11 @@ mod tests {
             }
             Clearance::new(met)
         });
-        let links = links(&corners);
+        let links = free_edges(&corners);
         assert_eq!(links, [0, 0b0011_0011, 0b0000_1111]);
-        assert_eq!(piece(&links, 0b1111_1111), 0b0101_0101);
-        assert_eq!(piece(&links, 0b1010_1010), 0b1010_1010);
-        assert_eq!(piece(&links, 0b0000_1001), 0b0000_0001);
+        assert_eq!(component(&links, 0b1111_1111), 0b0101_0101);
+        assert_eq!(component(&links, 0b1010_1010), 0b1010_1010);
+        assert_eq!(component(&links, 0b0000_1001), 0b0000_0001);
     }
 
     /// Corners 0.5 above a floor on which the reader lies: the floor itself hides nothing, a shelf 0.2 above it does; and a wall
@@ -196,9 +196,9 @@ mod tests {
     fn what_stands_between_hides() {
         let heights = [Vec4::splat(0.5); 2];
         let room = |t: f32| move |_| [Vec4::splat(255.0 * t); 2];
-        assert_eq!(parted(1, true, -0.5, 1.0, &heights, room(0.5)), 0);
-        assert_eq!(parted(1, true, -0.5, 1.0, &heights, room(0.3)), 0b1100_1100);
-        assert_eq!(parted(0, false, 0.8, 0.0, &heights, room(0.4)), 0b0101_0101);
-        assert_eq!(parted(0, false, 0.3, 0.0, &heights, room(0.4)), 0);
+        assert_eq!(occluded(1, true, -0.5, 1.0, &heights, room(0.5)), 0);
+        assert_eq!(occluded(1, true, -0.5, 1.0, &heights, room(0.3)), 0b1100_1100);
+        assert_eq!(occluded(0, false, 0.8, 0.0, &heights, room(0.4)), 0b0101_0101);
+        assert_eq!(occluded(0, false, 0.3, 0.0, &heights, room(0.4)), 0);
     }
 }

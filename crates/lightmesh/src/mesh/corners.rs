@@ -20,7 +20,7 @@ pub(crate) const ONES: [Vec4; 16] = {
 
 /// The places of the set bits, ascending.
 #[inline(always)]
-pub(crate) fn bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
+pub(crate) fn set_bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
     std::iter::from_fn(move || {
         let k = mask.trailing_zeros() as usize;
         mask &= mask.wrapping_sub(1);

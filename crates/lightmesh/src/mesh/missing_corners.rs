@@ -9,13 +9,13 @@
 use glam::Vec3;
 
 use super::bricks::Slot;
-use super::corners::{bits, corner};
+use super::corners::{corner, set_bits};
 use super::lattice::{Coordinate, ON_SURFACE};
-use super::read_result::Outcome;
-use super::refinement::Level;
+use super::read_result::ReadResult;
+use super::refinement::RefinementLevel;
 use super::stencil::{Stencil, stencil};
 use crate::MissingCorners;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 
 /// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so that a
 /// surface on a lattice plane has the cell before it, not the one behind.
@@ -24,41 +24,41 @@ const OFFSET: f32 = ON_SURFACE;
 /// Hands out (index, weight) of the corners of the vertex' cell that are there, the weights with what the rule moves to them; none
 /// if any is still empty: then those are marked.
 pub(super) fn read_with(
-    level: &Level,
+    level: &RefinementLevel,
     rule: MissingCorners,
-    vertex: &Vertex,
+    vertex: &ShadingPoint,
     mut mark: impl FnMut(Coordinate),
     mut take: impl FnMut(u32, f32),
-) -> Outcome {
+) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
     let is = |k: &usize, wanted: fn(Slot) -> bool| wanted(slots[*k]);
     let mut empty = false;
-    for k in bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
+    for k in set_bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
         mark(corner(stencil.cell, k));
         empty = true;
     }
     if empty {
-        return Outcome::Empty;
+        return ReadResult::Pending;
     }
-    let there = mask(bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
+    let there = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
     if there == 0 {
-        return Outcome::Nothing;
+        return ReadResult::Unavailable;
     }
     let weights = moved(rule, &stencil, vertex, there);
-    for k in bits(there) {
+    for k in set_bits(there) {
         if let Slot::Filled(index) = slots[k] {
             take(index, weights[k]);
         }
     }
-    Outcome::Read
+    ReadResult::Value
 }
 
 /// The part of the trilinear weight that corners have which are there; all of them have been evaluated.
-pub(super) fn usable_share(level: &Level, vertex: &Vertex) -> f32 {
+pub(super) fn usable_share(level: &RefinementLevel, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
-    stencil.sum(mask(bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
+    stencil.sum(mask(set_bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
 }
 
 /// The corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
@@ -71,7 +71,7 @@ fn mask(corners: impl Iterator<Item = usize>) -> u8 {
 }
 
 /// The weights of the corners that are `there`, with what the rule moves to them.
-fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &Vertex, there: u8) -> [f32; 8] {
+fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, there: u8) -> [f32; 8] {
     let mut weights: [f32; 8] = std::array::from_fn(|k| stencil.weight(k));
     let across = match rule {
         MissingCorners::Zero | MissingCorners::One => return weights,
@@ -79,7 +79,7 @@ fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &Vertex, there: u8) ->
         MissingCorners::Mirror => Some(1 << longest_axis(vertex.ng)),
     };
     let nearest = nearest(stencil, there);
-    for k in bits(!there) {
+    for k in set_bits(!there) {
         let to = across.map(|bit| k ^ bit).filter(|&k| there >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);
     }
@@ -100,22 +100,22 @@ fn nearest(stencil: &Stencil, corners: u8) -> usize {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32);
         corner.distance_squared(place)
     };
-    bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
+    set_bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::corners::bits;
+    use super::super::corners::set_bits;
     use super::super::lattice::Lattice;
     use super::*;
     use crate::geometry::Aabb;
 
     /// A vertex at (0.3, 0.4, 0.2) of a cell, of normal `ng`, and its stencil.
-    fn at(ng: Vec3) -> (Vertex, Stencil) {
+    fn at(ng: Vec3) -> (ShadingPoint, Stencil) {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
         let lattice = Lattice::new("spacing", &bounds, 1.0, 1, 1 << 30).expect("small");
         let position = lattice.point(glam::UVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
-        let vertex = Vertex { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, pixel: 0 };
+        let vertex = ShadingPoint { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, pixel: 0 };
         let stencil = stencil(&lattice, &vertex, OFFSET);
         (vertex, stencil)
     }
@@ -126,7 +126,7 @@ mod tests {
         let (vertex, stencil) = at(Vec3::Z);
         let there = before_plane(&stencil);
         assert_eq!(there, 0b1111_0000);
-        let sum = |rule| bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
+        let sum = |rule| set_bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
         assert!(
             (sum(MissingCorners::Zero) - 0.2).abs() < 2e-3 && sum(MissingCorners::Zero) == sum(MissingCorners::One)
         );

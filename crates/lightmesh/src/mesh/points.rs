@@ -9,11 +9,11 @@ use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
 use super::lattice::{self, Coordinate, Lattice};
 use super::marks::Marks;
-use super::read_result::Sight;
+use super::read_result::CornerVisibility;
 use super::reader::Reader;
-use super::refinement::Level;
-use super::stencil::{Neighbourhood, trilinear};
-use crate::interaction::Vertex;
+use super::refinement::RefinementLevel;
+use super::stencil::{Interpolator, trilinear};
+use crate::interaction::ShadingPoint;
 use crate::{Error, MeshStats, Scene};
 
 /// Where a mesh point is.
@@ -45,8 +45,8 @@ impl Costs {
 #[derive(Debug)]
 pub(crate) struct Points {
     /// The coarsest first.
-    levels: Vec<Level>,
-    pub(crate) neighbourhood: Neighbourhood,
+    levels: Vec<RefinementLevel>,
+    pub(crate) neighbourhood: Interpolator,
     /// By index of the filled point.
     addresses: Vec<Address>,
     clearances: Vec<Clearance>,
@@ -59,8 +59,8 @@ pub(super) type Probed = (Address, Option<Clearance>);
 
 impl Points {
     /// `lattices` by level.
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Neighbourhood) -> Self {
-        let levels = lattices.into_iter().map(Level::new).collect();
+    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator) -> Self {
+        let levels = lattices.into_iter().map(RefinementLevel::new).collect();
         Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
     }
 
@@ -76,7 +76,7 @@ impl Points {
 
     /// A level; 0 is the coarsest.
     #[inline(always)]
-    pub(crate) fn level(&self, level: u32) -> &Level {
+    pub(crate) fn level(&self, level: u32) -> &RefinementLevel {
         &self.levels[level as usize]
     }
 
@@ -86,23 +86,23 @@ impl Points {
     }
 
     /// Where a point is, metres.
-    pub(crate) fn place(&self, address: Address) -> Vec3 {
+    pub(crate) fn position_of(&self, address: Address) -> Vec3 {
         self.level(address.level).lattice.point(address.coordinate)
     }
 
     /// Where a filled point is, metres.
     pub(crate) fn position(&self, index: usize) -> Vec3 {
-        self.place(self.addresses[index])
+        self.position_of(self.addresses[index])
     }
 
     /// Where the filled points are, metres, in the order in which they were filled.
     pub(crate) fn valid_positions(&self) -> impl Iterator<Item = Vec3> {
-        self.addresses.iter().map(|&address| self.place(address))
+        self.addresses.iter().map(|&address| self.position_of(address))
     }
 
     /// Where the points are that were found inside solids, metres.
     pub(crate) fn invalid_positions(&self) -> impl Iterator<Item = Vec3> {
-        self.invalid.iter().map(|&address| self.place(address))
+        self.invalid.iter().map(|&address| self.position_of(address))
     }
 
     pub(crate) fn invalid_addresses(&self) -> &[Address] {
@@ -133,20 +133,21 @@ impl Points {
     }
 
     /// A reader for one thread.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: Sight) -> Reader<'a> {
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: CornerVisibility) -> Reader<'a> {
         Reader::new(scene, self, sight)
     }
 
     /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
-    pub(crate) fn demand(&self, scene: &Scene, vertices: &[Vertex], marks: &Marks, sight: Sight) {
-        let mut reader = self.reader(scene, Sight::Unchecked { finer: sight != Sight::One });
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, sight: CornerVisibility) {
+        let mut reader =
+            self.reader(scene, CornerVisibility::Deferred { finer: sight != CornerVisibility::Stochastic });
         vertices.iter().for_each(|vertex| {
             reader.read(vertex, marks, |_, _| {});
         });
     }
 
     /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
-    pub(crate) fn cell(&self, vertex: &Vertex) -> (u32, Coordinate) {
+    pub(crate) fn cell(&self, vertex: &ShadingPoint) -> (u32, Coordinate) {
         let mut at = 0;
         loop {
             let level = self.level(at);
@@ -166,7 +167,7 @@ impl Points {
 
     /// Lets each level take over from the one before in a ball about the eye: from the first nearer than `metres`, from each that
     /// follows nearer than half as much. Ends where the cells that `seen` surface points have in the balls would be more than `most`.
-    pub(crate) fn grade(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
+    pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
         let (mut cells, mut radius) = (0, metres);
         for level in 0..self.levels.len() - 1 {
             let lattice = &self.levels[level].lattice;
@@ -181,8 +182,8 @@ impl Points {
     }
 
     /// Takes all refinement back; points that are filled stay so.
-    pub(crate) fn coarsen(&mut self) {
-        self.levels.iter_mut().for_each(Level::coarsen);
+    pub(crate) fn reset_refinement(&mut self) {
+        self.levels.iter_mut().for_each(RefinementLevel::reset_refinement);
     }
 
     /// The marked points in brick order; clears the marks.
@@ -192,7 +193,7 @@ impl Points {
     pub(crate) fn take(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
         let (mut wanted, mut new_bricks) = (Vec::new(), 0);
         for (level, marks) in (0..).zip(marks.levels()) {
-            let Level { lattice, bricks, .. } = self.level(level);
+            let RefinementLevel { lattice, bricks, .. } = self.level(level);
             let (places, new) = marks.take(bricks);
             let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
             wanted.extend(places.into_iter().map(address));

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::clearance::Clearance;
 use super::lattice::ON_SURFACE;
 use crate::geometry::Ray;
-use crate::interaction::{is_back_face, is_solid};
+use crate::interaction::{is_back_face, is_opaque};
 use crate::world::Scene;
 /// Where a point looks to find out whether it is inside a solid: six directions of a cube turned off the axes, along which
 /// architecture has its edges.
@@ -34,7 +34,7 @@ pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
         // Glass does not part what it lies between.
         loop {
             let hit = scene.bvh().closest(&ray)?;
-            if scene.all_solid() || is_solid(scene, &hit) {
+            if scene.all_opaque() || is_opaque(scene, &hit) {
                 return Some(hit.t);
             }
             ray.t_min = hit.t;
@@ -64,5 +64,5 @@ fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
 
 /// Whether nothing solid stands on the open segment that is `ray`.
 pub(super) fn sees(scene: &Scene, ray: &Ray) -> bool {
-    if scene.all_solid() { !scene.bvh().occluded(ray) } else { !scene.bvh().any_hit(ray, |hit| is_solid(scene, hit)) }
+    if scene.all_opaque() { !scene.bvh().occluded(ray) } else { !scene.bvh().any_hit(ray, |hit| is_opaque(scene, hit)) }
 }

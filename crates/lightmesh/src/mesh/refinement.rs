@@ -21,7 +21,7 @@ use super::lattice::{self, Coordinate, Lattice};
 
 /// A lattice and what is known of its points.
 #[derive(Debug)]
-pub(crate) struct Level {
+pub(crate) struct RefinementLevel {
     pub(crate) lattice: Lattice,
     pub(crate) bricks: Bricks,
     /// By brick, a bit per refined point.
@@ -38,7 +38,7 @@ struct Ball {
     radius: f32,
 }
 
-impl Level {
+impl RefinementLevel {
     pub(crate) fn new(lattice: Lattice) -> Self {
         let bricks = Bricks::new(lattice.bricks());
         Self { lattice, bricks, refined: HashMap::new(), ball: None }
@@ -81,7 +81,7 @@ impl Level {
     }
 
     /// Refines nothing any more.
-    pub(super) fn coarsen(&mut self) {
+    pub(super) fn reset_refinement(&mut self) {
         self.refined.clear();
         self.ball = None;
     }

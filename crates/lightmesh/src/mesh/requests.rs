@@ -8,37 +8,37 @@ use crate::Error;
 /// Points of one brick of a mesh. Point (i, j, k) of the lattice is in brick (i / 8, j / 8, k / 8), which has the index a + bx (b + by c) for
 /// (a, b, c) in a lattice of bx × by × bz bricks, at place (i mod 8) + 8 (j mod 8) + 64 (k mod 8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct BrickPoints {
+pub struct BrickMask {
     /// How often the spacing has been halved.
     pub level: u32,
     /// Which brick of the level's lattice.
     pub brick: u32,
     /// A bit per place: bit p mod 64 of word p / 64.
-    pub places: [u64; 8],
+    pub mask: [u64; 8],
 }
 
-impl BrickPoints {
+impl BrickMask {
     /// How many points there are.
     pub fn len(&self) -> u32 {
-        self.places.iter().map(|word| word.count_ones()).sum()
+        self.mask.iter().map(|word| word.count_ones()).sum()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.places == [0; 8]
+        self.mask == [0; 8]
     }
 }
 
 /// Points of both meshes, each brick once, by level and brick.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct PointRequests {
     /// Of the mesh of direct light.
-    pub direct: Vec<BrickPoints>,
+    pub direct: Vec<BrickMask>,
     /// Of the mesh of indirect light.
-    pub indirect: Vec<BrickPoints>,
+    pub indirect: Vec<BrickMask>,
 }
 
-impl Wanted {
+impl PointRequests {
     /// Whether nothing is wanted.
     pub fn is_empty(&self) -> bool {
         self.direct.is_empty() && self.indirect.is_empty()
@@ -50,7 +50,7 @@ impl Wanted {
     }
 
     /// Adds what somebody else wants.
-    pub fn join(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         join(&mut self.direct, &other.direct);
         join(&mut self.indirect, &other.indirect);
     }
@@ -63,34 +63,38 @@ impl Wanted {
 }
 
 /// Takes points away from bricks.
-fn remove(bricks: &mut Vec<BrickPoints>, others: &[BrickPoints]) {
+fn remove(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
     bricks.retain_mut(|brick| {
         let other = others.binary_search_by_key(&(brick.level, brick.brick), |other| (other.level, other.brick));
         if let Ok(i) = other {
-            brick.places.iter_mut().zip(others[i].places).for_each(|(places, known)| *places &= !known);
+            brick.mask.iter_mut().zip(others[i].mask).for_each(|(places, known)| *places &= !known);
         }
         !brick.is_empty()
     });
 }
 
 /// Adds bricks to others, each of which then is there once, in order.
-fn join(bricks: &mut Vec<BrickPoints>, others: &[BrickPoints]) {
+fn join(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
     bricks.extend_from_slice(others);
     bricks.sort_unstable_by_key(|brick| (brick.level, brick.brick));
     bricks.dedup_by(|next, first| {
         let same = (next.level, next.brick) == (first.level, first.brick);
         if same {
-            first.places.iter_mut().zip(next.places).for_each(|(places, more)| *places |= more);
+            first.mask.iter_mut().zip(next.mask).for_each(|(places, more)| *places |= more);
         }
         same
     });
 }
 
 /// The marks, which are cleared.
-pub(crate) fn take(marks: &mut Marks) -> Vec<BrickPoints> {
+pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
     let levels = (0..).zip(marks.levels());
     let bricks = levels.flat_map(|(level, marks)| {
-        marks.take_words().into_iter().map(move |(brick, places)| BrickPoints { level, brick: brick as u32, places })
+        marks.take_words().into_iter().map(move |(brick, places)| BrickMask {
+            level,
+            brick: brick as u32,
+            mask: places,
+        })
     });
     bricks.collect()
 }
@@ -99,7 +103,7 @@ pub(crate) fn take(marks: &mut Marks) -> Vec<BrickPoints> {
 ///
 /// # Errors
 /// [`Error::InvalidBricks`] for bricks that the mesh does not have.
-pub(crate) fn mark(points: &Points, bricks: &[BrickPoints], marks: &Marks) -> Result<(), Error> {
+pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Result<(), Error> {
     each(points, bricks, |level, brick, local, slot| {
         if slot == Slot::Empty {
             marks.set(level, brick, local);
@@ -113,10 +117,10 @@ pub(crate) fn mark(points: &Points, bricks: &[BrickPoints], marks: &Marks) -> Re
 /// As [`mark`].
 pub(crate) fn each(
     points: &Points,
-    bricks: &[BrickPoints],
+    bricks: &[BrickMask],
     mut take: impl FnMut(u32, usize, usize, Slot),
 ) -> Result<(), Error> {
-    for &BrickPoints { level, brick, places } in bricks {
+    for &BrickMask { level, brick, mask: places } in bricks {
         let known = (level < points.level_count()).then(|| points.level(level));
         let Some(known) = known.filter(|known| (brick as usize) < known.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");

@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3, Vec4};
 use super::bricks::Slot;
 use super::corners::{ByCorner, ONES, corner};
 use super::lattice::{Coordinate, Lattice, ON_SURFACE};
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
 /// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
@@ -19,38 +19,38 @@ const MIN_WEIGHT: f32 = 1e-3;
 
 /// Which points D_y holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Neighbourhood {
+pub(crate) enum Interpolator {
     Trilinear,
     TrilinearWith(MissingCorners),
-    Sphere(Ball),
+    Sphere(SphereStencil),
     Nearest,
 }
 
 /// A sphere of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ball {
+pub(crate) struct SphereStencil {
     /// In spacings.
     pub radius: f32,
     pub weight: PointWeight,
     /// How far its middle is off the surface, along the normal, in spacings: 0 as the paper has it.
-    pub lift: f32,
+    pub normal_offset: f32,
 }
 
-impl Ball {
-    /// [`Ball::lift`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
+impl SphereStencil {
+    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
     /// out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1 13.8%.
     const LIFT: f32 = 0.6;
 }
 
-impl Neighbourhood {
+impl Interpolator {
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let weight = options.mesh.weight;
         let mended = matches!(options.method, Method::Paper { scale: PaperScale::Visibility, .. });
-        let lift = if mended { Ball::LIFT } else { 0.0 };
+        let lift = if mended { SphereStencil::LIFT } else { 0.0 };
         match options.resolved().interpolation {
             Interpolation::Auto | Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere(Ball { radius, weight, lift }),
+            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset: lift }),
             Interpolation::Nearest => Self::Nearest,
         }
     }
@@ -68,7 +68,7 @@ impl Neighbourhood {
             Self::Nearest => 0.0,
             Self::Sphere(ball) => {
                 // The sum is rounded otherwise than the reader's.
-                let r = 1.001 * (ball.radius + ball.lift) * lattice.spacing();
+                let r = 1.001 * (ball.radius + ball.normal_offset) * lattice.spacing();
                 return lattice.range(p - r, p + r);
             }
         };
@@ -80,7 +80,7 @@ impl Neighbourhood {
     pub(crate) fn reach(self) -> u32 {
         match self {
             Self::Trilinear | Self::TrilinearWith(_) | Self::Nearest => 1,
-            Self::Sphere(ball) => (ball.radius + ball.lift).ceil() as u32,
+            Self::Sphere(ball) => (ball.radius + ball.normal_offset).ceil() as u32,
         }
     }
 }
@@ -115,13 +115,13 @@ impl Stencil {
 
 /// Trilinear weights about the vertex; corners behind its surface are left out.
 #[inline(always)]
-pub(super) fn trilinear(lattice: &Lattice, vertex: &Vertex) -> Stencil {
+pub(super) fn trilinear(lattice: &Lattice, vertex: &ShadingPoint) -> Stencil {
     stencil(lattice, vertex, NORMAL_OFFSET)
 }
 
 /// The same for the cell that is `offset` spacings off the surface.
 #[inline(always)]
-pub(super) fn stencil(lattice: &Lattice, vertex: &Vertex, offset: f32) -> Stencil {
+pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> Stencil {
     let (cell, place) = lattice.cell_and_place(vertex.position + vertex.ng * (offset * lattice.spacing()));
     let frac = place.clamp(Vec3::ZERO, Vec3::ONE);
     // The vertex is below `place` by the offset.
@@ -148,8 +148,8 @@ pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
 /// Every point of the sphere that is before the vertex' plane, and its φ4.
 pub(super) fn sphere(
     lattice: &Lattice,
-    vertex: &Vertex,
-    Ball { radius, weight, lift }: Ball,
+    vertex: &ShadingPoint,
+    SphereStencil { radius, weight, normal_offset: lift }: SphereStencil,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
     let r = radius * lattice.spacing();
@@ -184,7 +184,7 @@ fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
 
 /// The cell's corners that are in front of the surface, the nearest first, until `visit` finds a usable one: it says what
 /// is at the point.
-pub(super) fn nearest(lattice: &Lattice, vertex: &Vertex, mut visit: impl FnMut(Coordinate) -> Slot) {
+pub(super) fn nearest(lattice: &Lattice, vertex: &ShadingPoint, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
     let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {
         let coordinate = corner(base, k);

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec4};
 
-use super::mipmap::Pyramid;
-use super::texture::{Decode, Filter, ImageData, Texture, UvTransform, fold};
+use super::mipmap::Mipmap;
+use super::texture::{ColorEncoding, Filter, ImageData, Texture, UvTransform, fold};
 
 /// What a sample covers of a texture: the parallelogram of two vectors about a place beside the one that it hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,9 +93,9 @@ impl Texture {
     pub(crate) fn sample_over<'a>(
         &self,
         image: &'a ImageData,
-        pyramid: impl FnOnce() -> &'a Pyramid,
+        pyramid: impl FnOnce() -> &'a Mipmap,
         (uv, footprint): (Vec2, Footprint),
-        decode: Decode,
+        decode: ColorEncoding,
     ) -> Vec4 {
         let taps = match self.filter {
             Filter::Nearest => None,
@@ -139,8 +139,8 @@ mod tests {
     }
 
     fn over(texture: &Texture, image: &ImageData, uv: Vec2, sides: [Vec2; 2]) -> f32 {
-        let pyramid = Pyramid::new(image);
-        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, aside: Vec2::ZERO }), Decode::Linear).x
+        let pyramid = Mipmap::new(image);
+        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, aside: Vec2::ZERO }), ColorEncoding::Linear).x
     }
 
     /// A checkerboard of single texels is grey from afar, wherever it is looked at and however it is turned.
@@ -167,8 +167,9 @@ mod tests {
                 let angle = Vec2::from_angle(i as f32);
                 let sides = [angle * texel * 0.999, angle.perp() * texel * 0.999];
                 let footprint = (uv, Footprint { sides, aside: Vec2::ONE });
-                let value = texture.sample_over(&picture, || unreachable!("no pyramid"), footprint, Decode::Linear);
-                assert_eq!(value, texture.sample(&picture, uv, Decode::Linear));
+                let value =
+                    texture.sample_over(&picture, || unreachable!("no pyramid"), footprint, ColorEncoding::Linear);
+                assert_eq!(value, texture.sample(&picture, uv, ColorEncoding::Linear));
             }
         }
     }
@@ -182,7 +183,7 @@ mod tests {
         for i in 0..50 {
             let uv = Vec2::new(0.0137 * i as f32, 0.4);
             let along = over(&TEXTURE, &stripes, uv, [Vec2::new(short, 0.0), Vec2::new(0.0, long)]);
-            assert!((along - TEXTURE.sample(&stripes, uv, Decode::Linear).x).abs() < 1e-5);
+            assert!((along - TEXTURE.sample(&stripes, uv, ColorEncoding::Linear).x).abs() < 1e-5);
             let across = over(&TEXTURE, &stripes, uv, [Vec2::new(long, 0.0), Vec2::new(0.0, short)]);
             assert!((across - 0.5).abs() < 0.01, "{across}");
         }
@@ -228,7 +229,7 @@ mod tests {
         let board = image(8, 8, |x, y| ((x + y) % 2) as f32);
         for absurd in [f32::NAN, f32::INFINITY, 1e30] {
             let value = over(&TEXTURE, &board, Vec2::splat(0.3), [Vec2::splat(absurd), Vec2::Y]);
-            assert_eq!(value, TEXTURE.sample(&board, Vec2::splat(0.3), Decode::Linear).x);
+            assert_eq!(value, TEXTURE.sample(&board, Vec2::splat(0.3), ColorEncoding::Linear).x);
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::data::SceneData;
-use super::texture::{Decode, Filter, ImageData, Texels, linear_from_byte};
+use super::texture::{ColorEncoding, Filter, ImageData, Texels, linear_from_byte};
 
 /// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before in
 /// each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level that it
@@ -13,27 +13,27 @@ use super::texture::{Decode, Filter, ImageData, Texels, linear_from_byte};
 /// It takes a third of the image's memory, and up to as much as the image where that is a line of texels:
 /// [`ImageData::pyramid_texels`].
 #[derive(Debug)]
-pub(crate) struct Pyramid {
+pub(crate) struct Mipmap {
     /// From level 1 on; the image itself is level 0.
     levels: Vec<ImageData>,
 }
 
 /// The pyramids of a checked scene's images, in their order; empty ones of those that are never averaged. They are built with the
 /// scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for it.
-pub(crate) fn build_pyramids(data: &SceneData) -> Vec<Pyramid> {
+pub(crate) fn build_mipmaps(data: &SceneData) -> Vec<Mipmap> {
     let mut wanted = vec![false; data.images.len()];
     for r in data.materials.iter().flat_map(|material| material.averaged_textures()).flatten() {
         let texture = &data.textures[r.texture];
         wanted[texture.image] |= texture.filter == Filter::Bilinear;
     }
     let build = |(image, wanted): (&ImageData, &bool)| match wanted {
-        true => Pyramid::new(image),
-        false => Pyramid { levels: Vec::new() },
+        true => Mipmap::new(image),
+        false => Mipmap { levels: Vec::new() },
     };
     data.images.par_iter().zip(&wanted).map(build).collect()
 }
 
-impl Pyramid {
+impl Mipmap {
     /// The pyramid of an image of colours.
     pub(crate) fn new(image: &ImageData) -> Self {
         let mut levels: Vec<ImageData> = Vec::new();
@@ -41,7 +41,7 @@ impl Pyramid {
         let (mut width, mut height) = (image.width, image.height);
         while width > 1 || height > 1 {
             let coarser = if levels.is_empty() {
-                halve(width, height, |i| Decode::Srgb.texel(&image.texels, i))
+                halve(width, height, |i| ColorEncoding::Srgb.texel(&image.texels, i))
             } else {
                 halve(width, height, |i| finer[i])
             };
@@ -168,7 +168,7 @@ mod tests {
 
     fn mean(image: &ImageData) -> Vec4 {
         let n = (image.width * image.height) as usize;
-        (0..n).map(|i| Decode::Srgb.texel(&image.texels, i)).sum::<Vec4>() / n as f32
+        (0..n).map(|i| ColorEncoding::Srgb.texel(&image.texels, i)).sum::<Vec4>() / n as f32
     }
 
     /// Whatever the size, each level has the mean of the image; rounding of f32 sums.
@@ -176,7 +176,7 @@ mod tests {
     fn every_level_keeps_the_mean() {
         for (width, height) in [(64, 16), (37, 21), (1, 13), (255, 2), (1, 1)] {
             let image = float_image(width, height);
-            let pyramid = Pyramid::new(&image);
+            let pyramid = Mipmap::new(&image);
             for level in &pyramid.levels {
                 assert!((mean(level) - mean(&image)).abs().max_element() < 1e-5, "{width}x{height}");
             }
@@ -190,9 +190,10 @@ mod tests {
     #[test]
     fn texels_are_means_of_what_they_cover() {
         let image = float_image(16, 8);
-        let pyramid = Pyramid::new(&image);
-        let texel =
-            |image: &ImageData, x: u32, y: u32| Decode::Srgb.texel(&image.texels, (y * image.width + x) as usize);
+        let pyramid = Mipmap::new(&image);
+        let texel = |image: &ImageData, x: u32, y: u32| {
+            ColorEncoding::Srgb.texel(&image.texels, (y * image.width + x) as usize)
+        };
         for (x, y) in [(0, 0), (3, 1), (2, 0)] {
             let sum: Vec4 = (0..16).map(|i| texel(&image, 4 * x + i % 4, 4 * y + i / 4)).sum();
             let level = pyramid.level(&image, 2);
@@ -205,7 +206,7 @@ mod tests {
     fn bytes_are_averaged_in_linear_light() {
         let bytes = |texels: &[[u8; 4]]| {
             let image = ImageData { name: String::new(), width: 2, height: 1, texels: Texels::Rgba8(texels.into()) };
-            match &Pyramid::new(&image).levels[0].texels {
+            match &Mipmap::new(&image).levels[0].texels {
                 Texels::Rgba8(t) => t[0],
                 Texels::Rgba32F(_) => unreachable!("levels are kept as the image is"),
             }

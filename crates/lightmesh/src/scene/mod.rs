@@ -16,6 +16,6 @@ pub use environment::{EmitterOptions, Environment, soft_environment};
 pub(crate) use footprint::Footprint;
 pub use light::Light;
 pub use material::{AlphaMode, Material};
-pub(crate) use mipmap::{Pyramid, build_pyramids};
-pub(crate) use texture::Decode;
+pub(crate) use mipmap::{Mipmap, build_mipmaps};
+pub(crate) use texture::ColorEncoding;
 pub use texture::{Filter, ImageData, Texels, Texture, TextureRef, UvTransform, Wrap};

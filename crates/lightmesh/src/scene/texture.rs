@@ -111,7 +111,7 @@ pub struct TextureRef {
 
 impl Texture {
     /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
-    pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: Decode) -> Vec4 {
+    pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: ColorEncoding) -> Vec4 {
         self.sample_row(image, (uv, Vec2::ZERO), 1, decode)
     }
 
@@ -121,14 +121,14 @@ impl Texture {
         image: &ImageData,
         (first, step): (Vec2, Vec2),
         count: u32,
-        decode: Decode,
+        decode: ColorEncoding,
     ) -> Vec4 {
         // One loop body for each way to store texels: many lookups make a picture.
         let row = ((first, step), count);
         match (&image.texels, decode) {
             (Texels::Rgba32F(t), _) => self.mean(image, row, t, |t| Vec4::from_array(*t)),
-            (Texels::Rgba8(t), Decode::Linear) => self.mean(image, row, t, |t| linear_from_bytes(*t)),
-            (Texels::Rgba8(t), Decode::Srgb) => {
+            (Texels::Rgba8(t), ColorEncoding::Linear) => self.mean(image, row, t, |t| linear_from_bytes(*t)),
+            (Texels::Rgba8(t), ColorEncoding::Srgb) => {
                 let table = srgb_table();
                 self.mean(image, row, t, |t| linear_from_srgb_bytes(table, *t))
             }
@@ -193,14 +193,14 @@ fn inside<T>(texels: &[T], width: usize, at: Vec2, decode: impl Fn(&T) -> Vec4) 
 
 /// How stored texels become linear values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Decode {
+pub(crate) enum ColorEncoding {
     /// RGB through the sRGB curve (8-bit only), alpha linear.
     Srgb,
     /// As stored.
     Linear,
 }
 
-impl Decode {
+impl ColorEncoding {
     pub(crate) fn texel(self, texels: &Texels, index: usize) -> Vec4 {
         match texels {
             Texels::Rgba32F(t) => Vec4::from_array(t[index]),
@@ -305,11 +305,11 @@ mod tests {
     fn bilinear_passes_through_texel_centres_and_wraps() {
         let image = image(&[[0, 0, 0, 255], [255, 255, 255, 255]], 2);
         let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Bilinear };
-        let at = |u: f32| texture.sample(&image, Vec2::new(u, 0.5), Decode::Linear).x;
+        let at = |u: f32| texture.sample(&image, Vec2::new(u, 0.5), ColorEncoding::Linear).x;
         assert_eq!((at(0.25), at(0.75), at(0.5)), (0.0, 1.0, 0.5));
         assert_eq!((at(0.0), at(1.25)), (0.5, 0.0));
         let clamped = Texture { wrap_s: Wrap::ClampToEdge, ..texture };
-        assert_eq!(clamped.sample(&image, Vec2::new(-3.0, 0.5), Decode::Linear).x, 0.0);
+        assert_eq!(clamped.sample(&image, Vec2::new(-3.0, 0.5), ColorEncoding::Linear).x, 0.0);
     }
 
     /// IEC 61966-2-1: sRGB 188 is linear 0.5029.
@@ -318,7 +318,7 @@ mod tests {
         assert!((srgb_table()[188] - 0.502_886).abs() < 1e-5);
         let image = image(&[[0, 0, 0, 128], [255, 255, 255, 128]], 2);
         let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Bilinear };
-        let c = texture.sample(&image, Vec2::new(0.5, 0.5), Decode::Srgb);
+        let c = texture.sample(&image, Vec2::new(0.5, 0.5), ColorEncoding::Srgb);
         assert!((c.x - 0.5).abs() < 1e-6 && (c.w - 128.0 / 255.0).abs() < 1e-6);
     }
 

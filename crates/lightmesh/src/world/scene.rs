@@ -7,7 +7,7 @@ use crate::Error;
 use crate::bvh::{SceneBvh, Target};
 use crate::geometry::Aabb;
 use crate::light::{Emitters, LightSamples};
-use crate::scene::{AlphaMode, EmitterOptions, Material, Pyramid, SceneData, build_pyramids, validate};
+use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
 
 /// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
 /// frames of it.
@@ -18,7 +18,7 @@ pub struct Scene {
     frames: Vec<InstanceFrame>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
-    pyramids: Vec<Pyramid>,
+    pyramids: Vec<Mipmap>,
     solid: Vec<bool>,
     all_solid: bool,
     all_double_sided: bool,
@@ -74,7 +74,7 @@ impl Scene {
         let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
-        let pyramids = build_pyramids(&data);
+        let pyramids = build_mipmaps(&data);
         let level = Level::new();
         let all_solid = solid.iter().all(|&s| s);
         let all_double_sided = data.materials.iter().all(|material| material.double_sided);
@@ -153,7 +153,7 @@ impl Scene {
     }
 
     /// The smaller copies of an image of colours.
-    pub(crate) fn pyramid(&self, image: usize) -> &Pyramid {
+    pub(crate) fn pyramid(&self, image: usize) -> &Mipmap {
         &self.pyramids[image]
     }
 
@@ -163,7 +163,7 @@ impl Scene {
     }
 
     /// Whether all do, so that any hit is a shadow.
-    pub(crate) fn all_solid(&self) -> bool {
+    pub(crate) fn all_opaque(&self) -> bool {
         self.all_solid
     }
 
@@ -188,7 +188,7 @@ impl Scene {
         self.emitters.area.has_gathered() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }
 
-    pub(crate) fn level(&self) -> Level {
+    pub(crate) fn simd_level(&self) -> Level {
         self.level
     }
 }

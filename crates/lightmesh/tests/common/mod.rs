@@ -1,5 +1,4 @@
 //! Small scenes that tests share.
-#![allow(dead_code, reason = "every test file uses its own part")]
 
 use glam::{Affine3A, Vec3};
 use lightmesh::geometry::TriangleMesh;

@@ -1,6 +1,6 @@
 //! The mesh as control variate of light sampling.
 //!
-//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`DOUBT`]): the standard deviation of a visibility that is 1 with
+//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`RESIDUAL_DEVIATION`]): the standard deviation of a visibility that is 1 with
 //! probability V̂_j, and some for lights
 //! that all points agree about. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct Illumination" (EGSR 2008),
 //! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which
@@ -9,16 +9,16 @@
 use fearless_simd::Simd;
 use glam::Vec3;
 
-use super::super::region_visibility::KnownLights;
-use super::{ByLight, Lit, ones};
+use super::super::region_visibility::LightCutVisibility;
+use super::{PerLightShader, Shaded, ones};
 use crate::light::{BlockTerms, LANES};
 
 /// The doubt that is left where all points agree, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
 /// the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
-const DOUBT: f32 = 0.08;
+const RESIDUAL_DEVIATION: f32 = 0.08;
 
 /// The standard deviation that the visibility of a doubtful light is taken to have at least. Without it 3.2 / 6.7%.
-const DOUBTFUL: f32 = 0.3;
+const OCCLUDER_DEVIATION: f32 = 0.3;
 
 /// A light that is not agreed about, and what is expected of it.
 #[derive(Clone, Copy, Debug)]
@@ -28,38 +28,38 @@ pub(super) struct Single {
     v: f32,
 }
 
-impl ByLight {
+impl PerLightShader {
     /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
     #[inline(always)]
-    pub(in super::super) fn unbiased<S: Simd>(&mut self, simd: S, lit: &Lit<'_>, count: u32) -> Vec3 {
-        let KnownLights { lights, clusters, agreement } = lit.known;
+    pub(in super::super) fn unbiased<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, count: u32) -> Vec3 {
+        let LightCutVisibility { lights, clusters, estimate: agreement } = lit.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, _) = terms.look(simd, lights, &lit.receiver(), &agreement.sure);
+        let (mut sum, _) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
         if let Some(clusters) = clusters {
-            terms.raise(lit.vertex.n, clusters.least, clusters.radii);
+            terms.raise_to_least(lit.vertex.n, clusters.least, clusters.radii);
         }
         let blocks = terms.blocks();
 
         // Disputed lights: their mean, and how much there is to gain from a ray.
-        self.masses.clear();
-        self.masses.extend(blocks.iter().map(|block| DOUBT * block.mass));
+        self.contributions.clear();
+        self.contributions.extend(blocks.iter().map(|block| RESIDUAL_DEVIATION * block.contribution));
         self.singles.clear();
         let mut dispute = 0;
-        for (at, (block, &disputed)) in blocks.iter().zip(agreement.disputed()).enumerate() {
-            let singles = disputed | block.doubtful;
+        for (at, (block, &disputed)) in blocks.iter().zip(agreement.partial()).enumerate() {
+            let singles = disputed | block.towards_occluder;
             if singles == 0 {
                 continue;
             }
             let mut agreed = 0.0;
-            for (i, mass) in block.masses.iter().enumerate() {
+            for (i, mass) in block.contributions.iter().enumerate() {
                 agreed += if singles >> i & 1 == 0 { *mass } else { 0.0 };
             }
-            self.masses[at] = DOUBT * agreed;
+            self.contributions[at] = RESIDUAL_DEVIATION * agreed;
             for i in ones(singles) {
                 let is_disputed = disputed >> i & 1 != 0;
                 let number = dispute;
                 dispute += usize::from(is_disputed);
-                let mass = block.masses[i];
+                let mass = block.contributions[i];
                 if mass <= 0.0 {
                     continue;
                 }
@@ -68,23 +68,23 @@ impl ByLight {
                     sum += lights.intensity(at * LANES + i) * (block.factors[i] * v);
                     (v, 0.0)
                 } else {
-                    (agreement.sure[at * LANES + i], DOUBTFUL)
+                    (agreement.certain[at * LANES + i], OCCLUDER_DEVIATION)
                 };
                 self.singles.push(Single { block: at as u32, i: i as u32, v });
-                self.masses.push(mass * ((v * (1.0 - v)).sqrt().max(least) + DOUBT));
+                self.contributions.push(mass * ((v * (1.0 - v)).sqrt().max(least) + RESIDUAL_DEVIATION));
             }
         }
-        let total: f32 = self.masses.iter().sum();
+        let total: f32 = self.contributions.iter().sum();
 
         // Choose lights, stratified over the list.
         let (mut entry, mut below) = (0, 0.0);
         for k in 0..if total > 0.0 { count } else { 0 } {
             let at = (k as f32 + lit.random(2 * k)) / count as f32 * total;
-            while entry + 1 < self.masses.len() && below + self.masses[entry] <= at {
-                below += self.masses[entry];
+            while entry + 1 < self.contributions.len() && below + self.contributions[entry] <= at {
+                below += self.contributions[entry];
                 entry += 1;
             }
-            let mass = self.masses[entry];
+            let mass = self.contributions[entry];
             if mass <= 0.0 {
                 continue;
             }
@@ -93,13 +93,13 @@ impl ByLight {
                 let Single { block, i, v } = self.singles[single];
                 (block as usize, i as usize, v)
             } else {
-                let singles = agreement.disputed()[entry] | blocks[entry].doubtful;
+                let singles = agreement.partial()[entry] | blocks[entry].towards_occluder;
                 let Some((i, share)) = choose(&blocks[entry], singles, lit.random(2 * k + 1)) else { continue };
                 p *= share;
-                (entry, i, agreement.sure[entry * LANES + i])
+                (entry, i, agreement.certain[entry * LANES + i])
             };
             let weight = lights.intensity(at * LANES + i) * (blocks[at].factors[i] / p);
-            sum -= self.want(lit, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, None));
+            sum -= self.queue_shadow_ray(lit, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, None));
         }
         self.terms = terms;
         sum
@@ -108,7 +108,7 @@ impl ByLight {
 
 /// One of the block's lights but for `singles`, in proportion to c_i by `u` in [0, 1), and its probability.
 pub(crate) fn choose(block: &BlockTerms, singles: u32, u: f32) -> Option<(usize, f32)> {
-    let of = |i: usize| if singles >> i & 1 == 0 { block.masses[i] } else { 0.0 };
+    let of = |i: usize| if singles >> i & 1 == 0 { block.contributions[i] } else { 0.0 };
     let masses: [f32; LANES] = std::array::from_fn(of);
     let total: f32 = masses.iter().sum();
     let mut rest = u * total;

@@ -109,13 +109,13 @@ fn surfaces(count: u32) -> Vec<(Vec3, Vec3)> {
         .collect()
 }
 
-fn regions(scene: &Scene, light_error: f32) -> LightRegions {
-    LightRegions::new(scene, &RenderOptions::default().with(|o| o.transport.light_error = light_error)).expect("memory")
+fn regions(scene: &Scene, light_error: f32) -> RegionCuts {
+    RegionCuts::new(scene, &RenderOptions::default().with(|o| o.transport.light_error = light_error)).expect("memory")
 }
 
 fn one_by_one(scene: &Scene, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
     let mut sums = Vec::new();
-    scene.lights().irradiance(scene.level(), Falloff::default(), points.iter().copied(), &mut sums);
+    scene.lights().irradiance(scene.simd_level(), Falloff::default(), points.iter().copied(), &mut sums);
     sums
 }
 
@@ -139,7 +139,7 @@ fn sums_do_not_depend_on_what_was_asked_before() {
     lights.irradiance(&scene, Falloff::ConstantPlusDistance { constant: 1.0 }, &points);
     let together = lights.irradiance(&scene, Falloff::default(), &points);
     assert!(lights.bytes() > 0);
-    let mut forgetful = LightRegions { most_bytes: 0, ..regions(&scene, 0.02) };
+    let mut forgetful = RegionCuts { most_bytes: 0, ..regions(&scene, 0.02) };
     assert_eq!(forgetful.irradiance(&scene, Falloff::default(), &points), together);
     assert_eq!(forgetful.bytes(), 0);
     let one_by_one: Vec<_> =
@@ -151,7 +151,7 @@ fn sums_do_not_depend_on_what_was_asked_before() {
 fn a_tree_too_large_is_refused_before_it_is_built() {
     let scene = scene(point_lights(3000), 1);
     let options = RenderOptions::default().with(|o| o.limits.max_memory = 1 << 20);
-    let error = LightRegions::new(&scene, &options).expect_err("3000 lights in 1 MiB");
+    let error = RegionCuts::new(&scene, &options).expect_err("3000 lights in 1 MiB");
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
 }
 

@@ -18,11 +18,11 @@ use crate::film::Film;
 const PIXELS: u64 = 32768;
 
 /// Refines the meshes of the frame about the eye of the picture on the film, as far as memory allows.
-pub(crate) fn grade(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderStats) {
+pub(crate) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderStats) {
     let Some(metres) = frame.options.mesh.lod_distance else { return };
     let (scene, options) = (frame.scene, frame.options);
     let Lighting::Mesh(mesh) = &mut frame.lighting else { return };
-    let (rays, width, _) = film.frame();
+    let (rays, width, _) = film.rays_and_size();
     let pixels = film.draw(options.seed, 3, PIXELS);
     let seen: Vec<_> = pixels
         .par_iter()
@@ -36,9 +36,9 @@ pub(crate) fn grade(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderSt
     let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
     let fit = |bytes_per_point: u64| budget / (POINTS_PER_CELL * bytes_per_point);
     let most = fit(mesh.direct.bytes_per_point());
-    mesh.direct.points_mut().grade(rays.eye(), metres, &seen, most);
+    mesh.direct.points_mut().refine_by_distance(rays.eye(), metres, &seen, most);
     if let Some(field) = &mut mesh.indirect {
         let most = fit(field.bytes_per_point());
-        field.points_mut().grade(rays.eye(), metres, &seen, most);
+        field.points_mut().refine_by_distance(rays.eye(), metres, &seen, most);
     }
 }

@@ -16,8 +16,8 @@ use glam::Vec3;
 
 use super::super::wave::WaveFrame;
 use super::pilot::light_pixels;
-use crate::direct::{Care, Indirect, Plan, Shading, Trust};
-use crate::film::{Film, Watch};
+use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading, TrustAgreement};
+use crate::film::{Film, RenderClock};
 use crate::{Error, RenderStats};
 
 /// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low once, where few
@@ -53,7 +53,7 @@ const MOST_SAMPLES: u32 = 16;
 
 /// What a check has found.
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct PlanCost {
     /// Error of the pixels, relative to the mean of the truth.
     error: f64,
     /// Shadow rays per sample.
@@ -77,7 +77,7 @@ pub(crate) fn choose_plan(
     frame: &mut WaveFrame<'_>,
     film: &Film,
     bound: f32,
-    watch: &mut Watch<'_>,
+    watch: &mut RenderClock<'_>,
     stats: &mut RenderStats,
 ) -> Result<f64, Error> {
     let bound = f64::from(bound);
@@ -89,8 +89,12 @@ pub(crate) fn choose_plan(
     // Few lights are traced.
     while part >= LEAST_PART && pilot.rays > reading {
         let much = [(MUCH * libm::powf(part, 0.6) * bound as f32).min(MOST); 2];
-        let care = Care { quantum: QUANTUM * part * bound as f32, much, trust: Trust::Nobody };
-        frame.plan = Plan { seen: Shading::by_light(care, frame.options), ..frame.plan };
+        let care = SamplingPolicy {
+            step: QUANTUM * part * bound as f32,
+            always_above: much,
+            agreement: TrustAgreement::Unbiased,
+        };
+        frame.plan = LightingPlan { primary: Shading::by_light(care, frame.options), ..frame.plan };
         let found = pilot.compare(frame, film, watch, stats)?;
         if found.rays + reading >= pilot.rays {
             break;
@@ -111,7 +115,7 @@ pub(crate) fn choose_plan(
             }
         }
     }
-    frame.plan = Plan { seen: Shading::Exact, ..frame.plan };
+    frame.plan = LightingPlan { primary: Shading::Exact, ..frame.plan };
     if frame.is_direct() {
         return Ok(0.0);
     }
@@ -124,13 +128,13 @@ impl Truth {
         frame: &mut WaveFrame<'_>,
         film: &Film,
         set: u32,
-        watch: &mut Watch<'_>,
+        watch: &mut RenderClock<'_>,
         stats: &mut RenderStats,
     ) -> Result<Self, Error> {
         let count = (film.pixel_count() / PIXELS_PER_CHECK).clamp(*CHECKS.start(), *CHECKS.end());
         let pixels = film.draw(frame.options.seed, set, count);
         let plan = frame.plan;
-        let truth = |seed| Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed }, ..plan };
+        let truth = |seed| LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed }, ..plan };
         let (first, rays) = light(frame, film, &pixels, truth(1), watch, stats)?;
         let second = match frame.is_direct() {
             true => first.clone(),
@@ -145,16 +149,16 @@ impl Truth {
         &self,
         frame: &mut WaveFrame<'_>,
         film: &Film,
-        watch: &mut Watch<'_>,
+        watch: &mut RenderClock<'_>,
         stats: &mut RenderStats,
-    ) -> Result<Found, Error> {
+    ) -> Result<PlanCost, Error> {
         let (sums, rays) = light(frame, film, &self.pixels, frame.plan, watch, stats)?;
         let [first, second] = &self.sums;
         let squares = sums.iter().zip(first).zip(second);
         let sum: f64 = squares.map(|((&p, &a), &b)| f64::from(((p - a) * (p - b)).element_sum())).sum();
         let square = sum.max(0.0) / (3 * self.pixels.len()) as f64;
         let error = if self.mean > 0.0 { square.sqrt() / self.mean } else { 0.0 };
-        Ok(Found { error, rays })
+        Ok(PlanCost { error, rays })
     }
 }
 
@@ -163,8 +167,8 @@ pub(crate) fn light(
     frame: &mut WaveFrame<'_>,
     film: &Film,
     pixels: &[u32],
-    plan: Plan,
-    watch: &mut Watch<'_>,
+    plan: LightingPlan,
+    watch: &mut RenderClock<'_>,
     stats: &mut RenderStats,
 ) -> Result<(Vec<Vec3>, f64), Error> {
     let rays_of = |stats: &RenderStats| stats.rays.shadow - stats.fill_shadow_rays;

@@ -1,8 +1,8 @@
 //! Some pixels of a picture, lit as they would be in it, to find out how good its light is.
 
 use super::super::wave::WaveFrame;
-use crate::direct::Plan;
-use crate::film::{Film, Watch};
+use crate::direct::LightingPlan;
+use crate::film::{Film, RenderClock};
 use crate::progress::Reporter;
 use crate::{Error, RenderStats, Stage};
 
@@ -11,8 +11,8 @@ pub(super) fn light_pixels(
     frame: &mut WaveFrame<'_>,
     film: &Film,
     (pixels, spp): (&[u32], u32),
-    plan: Plan,
-    watch: &mut Watch<'_>,
+    plan: LightingPlan,
+    watch: &mut RenderClock<'_>,
     stats: &mut RenderStats,
 ) -> Result<Film, Error> {
     let mut film = film.of_pixels(pixels.to_vec(), spp);

@@ -9,12 +9,12 @@
 
 use std::collections::BTreeMap;
 
-use super::super::block::LitHit;
+use super::super::block::ShadedPoint;
 use super::super::wave::{Lighting, WaveFrame};
 use super::pilot::light_pixels;
-use crate::direct::{Indirect, Plan, Shading};
-use crate::film::{Film, Watch};
-use crate::interaction::Vertex;
+use crate::direct::{Indirect, LightingPlan, Shading};
+use crate::film::{Film, RenderClock};
+use crate::interaction::ShadingPoint;
 use crate::mesh::Points;
 use crate::{Error, RenderStats};
 
@@ -38,13 +38,13 @@ pub(super) const POINTS_PER_CELL: u64 = 64;
 pub(crate) fn refine(
     frame: &mut WaveFrame<'_>,
     film: &Film,
-    watch: &mut Watch<'_>,
+    watch: &mut RenderClock<'_>,
     stats: &mut RenderStats,
 ) -> Result<(), Error> {
     let rounds = frame.options.resolved().refinements;
     let is_direct = frame.is_direct();
     // Exact light has no mesh to refine.
-    let refines_direct = frame.plan.seen != Shading::Exact;
+    let refines_direct = frame.plan.primary != Shading::Exact;
     // Paths go on from the first level.
     let refines_indirect = !is_direct && !matches!(frame.plan.indirect, Indirect::Unbiased { .. });
     if rounds == 0 || !(refines_direct || refines_indirect) {
@@ -53,24 +53,24 @@ pub(crate) fn refine(
     let pixels =
         film.draw(frame.options.seed, 2, (film.pixel_count() / PIXELS_PER_HIT).clamp(*HITS.start(), *HITS.end()));
     let plan = frame.plan;
-    let mut look = |frame: &mut WaveFrame<'_>, plan: Plan, stats: &mut RenderStats| {
-        frame.lit_hits = Some(Vec::new());
+    let mut look = |frame: &mut WaveFrame<'_>, plan: LightingPlan, stats: &mut RenderStats| {
+        frame.shaded_points = Some(Vec::new());
         light_pixels(frame, film, (&pixels, 1), plan, watch, stats)?;
-        Ok::<_, Error>(frame.lit_hits.take().unwrap_or_default())
+        Ok::<_, Error>(frame.shaded_points.take().unwrap_or_default())
     };
-    let exact = |seed| Plan { seen: Shading::Exact, indirect: Indirect::Gathered { seed }, ..plan };
+    let exact = |seed| LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed }, ..plan };
     let first = look(frame, exact(1), stats)?;
     let second = if is_direct { first.clone() } else { look(frame, exact(2), stats)? };
-    let radiance = |hit: &LitHit| f64::from((hit.vertex.weight * (hit.direct + hit.indirect)).element_sum());
+    let radiance = |hit: &ShadedPoint| f64::from((hit.vertex.weight * (hit.direct + hit.indirect)).element_sum());
     let mean = first.iter().map(radiance).sum::<f64>() / (3 * pixels.len()) as f64;
     let bound = SHARE * frame.options.method.error().map_or(DEFAULT_BOUND, f64::from) * mean;
 
     for _ in 0..rounds {
         let hits = look(frame, plan.reseeded(), stats)?;
         let Lighting::Mesh(mesh) = &mut frame.lighting else { break };
-        let errors = |of: fn(&LitHit) -> glam::Vec3| {
+        let errors = |of: fn(&ShadedPoint) -> glam::Vec3| {
             let truths = first.iter().zip(&second);
-            let error = move |(hit, (a, b)): (&LitHit, (&LitHit, &LitHit))| {
+            let error = move |(hit, (a, b)): (&ShadedPoint, (&ShadedPoint, &ShadedPoint))| {
                 let w = hit.vertex.weight;
                 let square = (w * (of(hit) - of(a))).dot(w * (of(hit) - of(b)));
                 (hit.vertex, f64::from(square) / 3.0)
@@ -98,7 +98,7 @@ pub(crate) fn refine(
 
 /// Refines the cells with the largest sums of squared errors, until the sum of the others is at most `most`, `fit` cells at most; how
 /// many these are.
-fn refine_worst(points: &mut Points, errors: &[(Vertex, f64)], most: f64, fit: u64) -> usize {
+fn refine_worst(points: &mut Points, errors: &[(ShadingPoint, f64)], most: f64, fit: u64) -> usize {
     let mut cells: BTreeMap<(u32, [u32; 3]), f64> = BTreeMap::new();
     for (vertex, square) in errors {
         let (level, cell) = points.cell(vertex);

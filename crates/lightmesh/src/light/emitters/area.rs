@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::primitive::{Element, emission_of};
+use super::primitive::{EmissivePrimitive, emission_of};
 use super::{LightSample, Patch, luminance, radical_inverse};
 use crate::bvh::Target;
 use crate::scene::{Material, SceneData};
@@ -19,7 +19,7 @@ const WALLS: f64 = 4.0;
 #[derive(Debug, Default)]
 pub(crate) struct AreaLights {
     lights: Vec<AreaLight>,
-    elements: Vec<Element>,
+    elements: Vec<EmissivePrimitive>,
     /// Luminous flux of all elements up to and with each, in units of the whole: ends with 1.
     cdf: Vec<f64>,
     /// The light of each instance and sphere; `NONE` for those that do not shine.
@@ -67,7 +67,7 @@ impl AreaLights {
             }
             let handedness = instance.world_from_object.matrix3.determinant().signum();
             let place = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
-            let triangle = |&indices: &[u32; 3]| Element::Triangle {
+            let triangle = |&indices: &[u32; 3]| EmissivePrimitive::Triangle {
                 corners: indices.map(place),
                 indices,
                 mesh: instance.mesh as u32,
@@ -77,14 +77,14 @@ impl AreaLights {
         }
         for (i, sphere) in data.spheres.iter().enumerate() {
             if shines(&data.materials[sphere.material]) {
-                lights.of_sphere[i] = lights.add([Element::Sphere(i as u32)].into_iter(), sphere.material);
+                lights.of_sphere[i] = lights.add([EmissivePrimitive::Sphere(i as u32)].into_iter(), sphere.material);
             }
         }
         lights.weigh(data, other_flux);
         lights
     }
 
-    fn add(&mut self, elements: impl Iterator<Item = Element>, material: usize) -> u32 {
+    fn add(&mut self, elements: impl Iterator<Item = EmissivePrimitive>, material: usize) -> u32 {
         let first = self.elements.len();
         self.elements.extend(elements);
         self.lights.push(AreaLight { elements: first..self.elements.len(), material, gathered: false });

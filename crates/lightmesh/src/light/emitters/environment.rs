@@ -7,7 +7,7 @@ use glam::{Quat, Vec2, Vec3};
 use super::primitive::sample_sphere;
 use super::{LightSample, luminance, radical_inverse};
 use crate::sampling::Table;
-use crate::scene::{Decode, Environment, Filter, ImageData, Light, Texture, Wrap};
+use crate::scene::{ColorEncoding, Environment, Filter, ImageData, Light, Texture, Wrap};
 
 /// Largest side of the table of importance; larger maps are averaged down to it.
 const MAX_SIDE: u32 = 1024;
@@ -69,7 +69,7 @@ impl EnvironmentLight {
     /// What is seen along a unit direction of the world, cd/m² per channel.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         let Some(image) = &self.environment.map else { return self.environment.radiance };
-        let texel = SAMPLER.sample(image, place_of(self.map_from_world * direction), Decode::Srgb);
+        let texel = SAMPLER.sample(image, place_of(self.map_from_world * direction), ColorEncoding::Srgb);
         texel.truncate() * self.environment.radiance
     }
 
@@ -113,7 +113,8 @@ impl EnvironmentLight {
 impl Map {
     pub(crate) fn new(image: &ImageData) -> Self {
         let (width, height) = (image.width.min(MAX_SIDE), image.height.min(MAX_SIDE));
-        let texel = |x: u32, y: u32| Decode::Srgb.texel(&image.texels, y as usize * image.width as usize + x as usize);
+        let texel =
+            |x: u32, y: u32| ColorEncoding::Srgb.texel(&image.texels, y as usize * image.width as usize + x as usize);
         let range = |i: u32, cells: u32, texels: u32| {
             let at = |i: u32| (u64::from(i) * u64::from(texels) / u64::from(cells)) as u32;
             at(i)..at(i + 1)

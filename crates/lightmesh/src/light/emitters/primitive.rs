@@ -4,11 +4,11 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use crate::scene::{Decode, Material, SceneData};
+use crate::scene::{ColorEncoding, Material, SceneData};
 
 /// A piece of an emissive surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Element {
+pub(super) enum EmissivePrimitive {
     Triangle {
         /// World space.
         corners: [Vec3; 3],
@@ -23,14 +23,14 @@ pub(super) enum Element {
 
 /// A point of an element.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ElementPoint {
+pub(super) struct PrimitivePoint {
     pub position: Vec3,
     /// Unit; the front.
     pub normal: Vec3,
     pub uvs: [Vec2; 2],
 }
 
-impl Element {
+impl EmissivePrimitive {
     /// Square metres.
     pub(super) fn area(&self, data: &SceneData) -> f32 {
         match *self {
@@ -40,7 +40,7 @@ impl Element {
     }
 
     /// The point that u in [0, 1)² leads to; uniform over the area.
-    pub(super) fn point(&self, data: &SceneData, u: Vec2) -> ElementPoint {
+    pub(super) fn point(&self, data: &SceneData, u: Vec2) -> PrimitivePoint {
         match *self {
             Self::Triangle { corners: [a, b, c], indices, mesh, handedness } => {
                 let w = sample_triangle(u);
@@ -52,13 +52,13 @@ impl Element {
                     }
                 };
                 let normal = ((b - a).cross(c - a) * handedness).normalize_or(Vec3::Y);
-                ElementPoint { position: a * w.x + b * w.y + c * w.z, normal, uvs: [uv(&uvs[0]), uv(&uvs[1])] }
+                PrimitivePoint { position: a * w.x + b * w.y + c * w.z, normal, uvs: [uv(&uvs[0]), uv(&uvs[1])] }
             }
             Self::Sphere(i) => {
                 let sphere = &data.spheres[i as usize];
                 let normal = sample_sphere(u);
                 let position = sphere.center + normal * sphere.radius;
-                ElementPoint { position, normal, uvs: [sphere.uv(position); 2] }
+                PrimitivePoint { position, normal, uvs: [sphere.uv(position); 2] }
             }
         }
     }
@@ -79,7 +79,7 @@ impl Element {
 pub(super) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2]) -> Vec3 {
     let Some(r) = material.emission_texture else { return material.emission };
     let texture = &data.textures[r.texture];
-    let texel = texture.sample(&data.images[texture.image], r.transform.apply(uvs[r.uv_set]), Decode::Srgb);
+    let texel = texture.sample(&data.images[texture.image], r.transform.apply(uvs[r.uv_set]), ColorEncoding::Srgb);
     material.emission * texel.truncate()
 }
 

@@ -19,8 +19,8 @@
 
 use glam::Vec3;
 
-use super::super::sample::Emission;
-use super::{Kind, LightTree, Node, Orientation, Shape};
+use super::super::sample::LightEmission;
+use super::{ConeStatistics, Kind, LightTree, Node, Orientation};
 use crate::Falloff;
 
 /// A box in which light is received.
@@ -96,14 +96,14 @@ impl LightTree {
         let far = (node.place - receivers.centre).length() + receivers.radius;
         let arriving = node.strength * attenuation(falloff, far.max(1e-6));
         if node.kind == Kind::Even {
-            let error = if node.child == 0 { 0.0 } else { even_error(node, near, attenuation(falloff, near)) };
+            let error = if node.child == 0 { 0.0 } else { isotropic_error(node, near, attenuation(falloff, near)) };
             return Bound { error, arriving };
         }
         let orientation = &self.orientations[index as usize - self.first_oriented];
         let cosines = cosines(node, orientation, receivers, near);
         let g = attenuation(falloff, near);
         match orientation.shape {
-            Shape::Patch { least, most } => {
+            ConeStatistics::Patch { least, most } => {
                 let two_sided = node.kind == Kind::TwoSided;
                 if cosines.most <= 0.0 && !two_sided {
                     return Bound::NOTHING;
@@ -124,7 +124,7 @@ impl LightTree {
                 };
                 Bound { error, arriving: arriving * cos.min(1.0) }
             }
-            Shape::Spot { inner, outer, scale, difference, inv_range2 } => {
+            ConeStatistics::Spot { inner, outer, scale, difference, inv_range2 } => {
                 let beyond = near * near * inv_range2.0;
                 if cosines.most <= outer || beyond >= 1.0 {
                     return Bound::NOTHING;
@@ -143,7 +143,7 @@ impl LightTree {
                     spot_error(node, orientation, edge, inv_range2, (near, furthest), g)
                 };
                 let cone = match self.luminaires[index as usize].emission {
-                    Emission::Shaped { scale, offset, .. } => (cosines.most * scale + offset).clamp(0.0, 1.0),
+                    LightEmission::Spot { scale, offset, .. } => (cosines.most * scale + offset).clamp(0.0, 1.0),
                     _ => 1.0,
                 };
                 Bound { error, arriving: arriving * window * cone * cone }
@@ -159,7 +159,7 @@ fn capped(error: f32, node: &Node, g: f32) -> f32 {
 }
 
 /// Of even lights: ½ + ½ · 6, and 2.
-fn even_error(node: &Node, near: f32, g: f32) -> f32 {
+fn isotropic_error(node: &Node, near: f32, g: f32) -> f32 {
     if near <= 0.0 {
         return f32::INFINITY;
     }

@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
-use super::super::sample::{Emission, Luminaire};
+use super::super::sample::{LightEmission, SampledLight};
 use super::super::samples::LightSamples;
 use super::{Kind, LightTree, Node, moments};
 
 /// A light sample on its way into a tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf {
-    pub luminaire: Luminaire,
+    pub luminaire: SampledLight,
     pub lane: u32,
 }
 
@@ -22,24 +22,24 @@ impl Leaf {
     /// Which way it shines; zero for even ones and directions, whose place says it.
     pub(super) fn axis(&self) -> Vec3 {
         match self.luminaire.emission {
-            Emission::Even => Vec3::ZERO,
-            Emission::Patch { axis, .. } | Emission::Shaped { axis, .. } => axis,
+            LightEmission::Isotropic => Vec3::ZERO,
+            LightEmission::Patch { axis, .. } | LightEmission::Spot { axis, .. } => axis,
         }
     }
 
     fn kind(&self) -> Kind {
         match self.luminaire.emission {
-            Emission::Even => Kind::Even,
-            Emission::Patch { back: 0.0, .. } => Kind::OneSided,
-            Emission::Patch { .. } => Kind::TwoSided,
-            Emission::Shaped { w: 0.0, .. } => Kind::Direction,
-            Emission::Shaped { .. } => Kind::Shaped,
+            LightEmission::Isotropic => Kind::Even,
+            LightEmission::Patch { back: 0.0, .. } => Kind::OneSided,
+            LightEmission::Patch { .. } => Kind::TwoSided,
+            LightEmission::Spot { w: 0.0, .. } => Kind::Direction,
+            LightEmission::Spot { .. } => Kind::Shaped,
         }
     }
 
     /// With a normal of the upper hemisphere where both sides shine: patches that are one behind the other are alike.
     fn upright(mut self) -> Self {
-        if let Emission::Patch { axis, back, .. } = &mut self.luminaire.emission
+        if let LightEmission::Patch { axis, back, .. } = &mut self.luminaire.emission
             && *back != 0.0
             && axis.to_array() < [0.0; 3]
         {
@@ -52,7 +52,7 @@ impl Leaf {
 impl LightTree {
     /// The trees over all samples.
     pub(crate) fn new(samples: &LightSamples) -> Self {
-        let leaf = |lane| samples.luminaire(lane).map(|luminaire| Leaf { luminaire, lane: lane as u32 }.upright());
+        let leaf = |lane| samples.sample(lane).map(|luminaire| Leaf { luminaire, lane: lane as u32 }.upright());
         let mut leaves: Vec<Leaf> = (0..samples.lanes()).filter_map(leaf).collect();
         leaves.sort_by_key(Leaf::kind);
         let mut tree = Self {
@@ -125,7 +125,7 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         leaves.iter().fold(start, |(min, max), leaf| (min.min(of(leaf)), max.max(of(leaf))))
     };
-    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.luminaire.place;
+    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.luminaire.position;
     let (min, max) = range(place);
     let mut widest = (place, min, max);
     if !matches!(kind, Kind::Even | Kind::Direction) {

@@ -24,7 +24,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::sample::Luminaire;
+use super::sample::SampledLight;
 use super::samples::LightSamples;
 
 /// The trees over the samples of a scene.
@@ -32,7 +32,7 @@ use super::samples::LightSamples;
 pub(crate) struct LightTree {
     nodes: Vec<Node>,
     /// By node: the light that stands for it; a leaf's is its sample.
-    luminaires: Vec<Luminaire>,
+    luminaires: Vec<SampledLight>,
     /// By node less `first_oriented`: of patches, spots and ranges.
     orientations: Vec<Orientation>,
     first_oriented: usize,
@@ -87,12 +87,12 @@ struct Orientation {
     deviation: f32,
     /// Σ over channels of |Σ_i I_i (a_i − a)|, candela.
     colour: f32,
-    shape: Shape,
+    shape: ConeStatistics,
 }
 
 /// Extremes over the lights of a node.
 #[derive(Clone, Copy, Debug)]
-enum Shape {
+enum ConeStatistics {
     /// A / π, m².
     Patch { least: f32, most: f32 },
     /// Cosines of the cones' edges (−2 and below: no cone), the largest scale, how much scale and offset differ in all; 1 / R².
@@ -102,8 +102,8 @@ enum Shape {
 impl LightTree {
     /// Memory of the trees over some samples while they are built, bytes: two nodes a light, and the lights once more.
     pub(crate) fn bytes(samples: &LightSamples) -> u64 {
-        let node = size_of::<Node>() + size_of::<Luminaire>() + size_of::<Orientation>();
-        (samples.len() * (2 * node + size_of::<Luminaire>() + 32)) as u64
+        let node = size_of::<Node>() + size_of::<SampledLight>() + size_of::<Orientation>();
+        (samples.len() * (2 * node + size_of::<SampledLight>() + 32)) as u64
     }
 
     /// How many lights there are.
@@ -138,7 +138,7 @@ impl LightTree {
 
     /// How far a node's box reaches from its mean place, metres.
     pub(crate) fn radius(&self, node: u32) -> f32 {
-        let (node, place) = (&self.nodes[node as usize], self.luminaires[node as usize].place);
+        let (node, place) = (&self.nodes[node as usize], self.luminaires[node as usize].position);
         (node.max - place).max(place - node.min).length()
     }
 

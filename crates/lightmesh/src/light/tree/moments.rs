@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec3};
 
-use super::super::sample::{Emission, Luminaire};
+use super::super::sample::{LightEmission, SampledLight};
 use super::build::Leaf;
-use super::{Kind, Node, Orientation, Shape};
+use super::{ConeStatistics, Kind, Node, Orientation};
 
 /// Sums over leaves, in order, in double precision.
 fn sum<T: std::iter::Sum>(leaves: &[Leaf], of: impl Fn(&Leaf) -> T) -> T {
@@ -12,7 +12,7 @@ fn sum<T: std::iter::Sum>(leaves: &[Leaf], of: impl Fn(&Leaf) -> T) -> T {
 }
 
 fn place(leaf: &Leaf) -> DVec3 {
-    leaf.luminaire.place.as_dvec3()
+    leaf.luminaire.position.as_dvec3()
 }
 
 /// By channel: its intensity of a leaf.
@@ -29,13 +29,13 @@ fn up(x: f64) -> f32 {
 
 impl Node {
     /// The node of some leaves, and what stands for them as far as place and intensity go.
-    pub(crate) fn new(kind: Kind, leaves: &[Leaf], first: u32) -> (Self, Luminaire) {
+    pub(crate) fn new(kind: Kind, leaves: &[Leaf], first: u32) -> (Self, SampledLight) {
         let strength = sum(leaves, |leaf| f64::from(leaf.strength()));
         let mean = sum(leaves, |leaf| place(leaf) * f64::from(leaf.strength())) / strength;
         let extremes = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (min, max) = leaves
             .iter()
-            .fold(extremes, |(min, max), leaf| (min.min(leaf.luminaire.place), max.max(leaf.luminaire.place)));
+            .fold(extremes, |(min, max), leaf| (min.min(leaf.luminaire.position), max.max(leaf.luminaire.position)));
         let mut node = Self {
             min,
             max,
@@ -50,7 +50,7 @@ impl Node {
         };
         let mut luminaire = leaves[0].luminaire;
         if leaves.len() == 1 {
-            node.place = luminaire.place;
+            node.place = luminaire.position;
             return (node, luminaire);
         }
         if kind == Kind::Direction {
@@ -62,9 +62,9 @@ impl Node {
                 sum(leaves, channel) - across.length() + (across - axis * across.dot(axis).max(0.0)).length()
             });
             node.colour = up(lost.sum());
-            luminaire.place = axis.as_vec3();
+            luminaire.position = axis.as_vec3();
             luminaire.intensity = DVec3::from_array(sums.map(|across| across.dot(axis).max(0.0))).as_vec3();
-            node.place = luminaire.place;
+            node.place = luminaire.position;
             return (node, luminaire);
         }
         let mean = node.place.as_dvec3();
@@ -72,14 +72,18 @@ impl Node {
             up(sum(leaves, |leaf| place(leaf).distance_squared(mean) * f64::from(leaf.strength())) / strength);
         let off = |channel: fn(&Leaf) -> f64| sum(leaves, |leaf| (place(leaf) - mean) * channel(leaf)).length();
         node.colour = up(CHANNELS.map(off).iter().sum());
-        luminaire.place = node.place;
+        luminaire.position = node.place;
         luminaire.intensity = DVec3::from_array(CHANNELS.map(|channel| sum(leaves, channel))).as_vec3();
         (node, luminaire)
     }
 }
 
 /// Which way leaves of a kind shine, and the light for them all; `None` where the kind has no axes.
-pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) -> Option<(Orientation, Luminaire)> {
+pub(super) fn orientation(
+    kind: Kind,
+    leaves: &[Leaf],
+    luminaire: &SampledLight,
+) -> Option<(Orientation, SampledLight)> {
     if matches!(kind, Kind::Even | Kind::Direction) {
         return None;
     }
@@ -95,9 +99,9 @@ pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) ->
     let mut luminaire = *luminaire;
     let mut shines = unit;
     let (shape, about, colour) = match (luminaire.emission, leaves.len()) {
-        (Emission::Patch { back, .. }, _) => {
+        (LightEmission::Patch { back, .. }, _) => {
             let spread = |leaf: &Leaf| match leaf.luminaire.emission {
-                Emission::Patch { spread, .. } => spread,
+                LightEmission::Patch { spread, .. } => spread,
                 _ => 0.0,
             };
             let extremes = leaves.iter().map(spread).fold((f32::INFINITY, 0.0_f32), |(a, b), s| (a.min(s), b.max(s)));
@@ -106,10 +110,10 @@ pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) ->
                 let intensity = sums.map(|along| along.dot(unit).max(0.0));
                 luminaire.intensity = DVec3::from_array(intensity).as_vec3();
                 let spread = sum(leaves, |leaf| f64::from(spread(leaf)) * f64::from(leaf.strength())) / strength;
-                luminaire.emission = Emission::Patch { axis: unit.as_vec3(), back, spread: spread as f32 };
+                luminaire.emission = LightEmission::Patch { axis: unit.as_vec3(), back, spread: spread as f32 };
             }
             let lost = sums.map(|along| (along - unit * along.dot(unit).max(0.0)).length());
-            (Shape::Patch { least: extremes.0, most: extremes.1 }, mean, lost.iter().sum())
+            (ConeStatistics::Patch { least: extremes.0, most: extremes.1 }, mean, lost.iter().sum())
         }
         (_, count) => {
             let spots = leaves.iter().map(|leaf| spot(&leaf.luminaire.emission));
@@ -123,12 +127,12 @@ pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) ->
                     (sum(leaves, of) / strength) as f32
                 };
                 let (scale, offset, inv_range2) = (mean(2), mean(3), mean(4));
-                luminaire.emission = Emission::Shaped { w: 1.0, axis: unit.as_vec3(), scale, offset, inv_range2 };
+                luminaire.emission = LightEmission::Spot { w: 1.0, axis: unit.as_vec3(), scale, offset, inv_range2 };
             }
             shines = -unit;
             let difference = (scale.1 - scale.0) + (offset.1 - offset.0);
             let off = |channel: fn(&Leaf) -> f64| sum(leaves, |leaf| (axis(leaf) - unit) * channel(leaf)).length();
-            let shape = Shape::Spot { inner, outer: outer.0, scale: scale.1, difference, inv_range2 };
+            let shape = ConeStatistics::Spot { inner, outer: outer.0, scale: scale.1, difference, inv_range2 };
             (shape, unit, CHANNELS.map(off).iter().sum())
         }
     };
@@ -139,12 +143,12 @@ pub(super) fn orientation(kind: Kind, leaves: &[Leaf], luminaire: &Luminaire) ->
 }
 
 /// Cosines of a cone's inner and outer edge, below −1 without one, scale, offset, 1 / R².
-fn spot(emission: &Emission) -> [f32; 5] {
+fn spot(emission: &LightEmission) -> [f32; 5] {
     match *emission {
-        Emission::Shaped { scale, offset, inv_range2, .. } if scale > 0.0 => {
+        LightEmission::Spot { scale, offset, inv_range2, .. } if scale > 0.0 => {
             [(1.0 - offset) / scale, -offset / scale, scale, offset, inv_range2]
         }
-        Emission::Shaped { inv_range2, .. } => [-2.0, -2.0, 0.0, 1.0, inv_range2],
+        LightEmission::Spot { inv_range2, .. } => [-2.0, -2.0, 0.0, 1.0, inv_range2],
         _ => [-2.0, -2.0, 0.0, 1.0, 0.0],
     }
 }

@@ -230,7 +230,7 @@ fn a_cut_without_error_is_every_light() {
         assert_eq!(lanes.iter().collect::<std::collections::HashSet<_>>().len(), lanes.len());
         let mut d = Directions::default();
         samples.directions(Level::new(), Falloff::InverseSquare, x, &mut d);
-        let lit = (0..samples.lanes()).filter(|&lane| d.f[lane] > 0.0 && samples.luminaire(lane).is_some());
+        let lit = (0..samples.lanes()).filter(|&lane| d.f[lane] > 0.0 && samples.sample(lane).is_some());
         assert!(lit.into_iter().all(|lane| lanes.contains(&lane)));
     }
 }

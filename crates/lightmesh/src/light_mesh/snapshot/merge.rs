@@ -2,9 +2,9 @@
 
 use super::super::LightMesh;
 use super::check::{check_finite, check_length, refuse, values};
-use super::{Contents, DirectContents, DirectValues, IndirectContents};
+use super::{DirectSnapshot, DirectValues, IndirectSnapshot, Snapshot};
 use crate::Error;
-use crate::direct::{DirectField, Field, LightRuns};
+use crate::direct::{DirectEncoding, DirectField, LightRuns};
 use crate::indirect::IndirectField;
 
 impl LightMesh {
@@ -17,7 +17,7 @@ impl LightMesh {
     /// [`Error::InvalidContents`] for contents of a mesh of another kind, lattice or number of bounces, and for such that cannot be true;
     /// [`Error::OutOfMemory`] if its points would not fit into the memory that the mesh was allowed when it was made. The mesh has not
     /// changed then.
-    pub fn absorb(&mut self, contents: &Contents) -> Result<(), Error> {
+    pub fn merge(&mut self, contents: &Snapshot) -> Result<(), Error> {
         // Check everything, then change.
         self.direct.check(&contents.direct)?;
         match (&self.indirect, &contents.indirect) {
@@ -35,16 +35,16 @@ impl LightMesh {
 }
 
 impl DirectField {
-    fn check(&self, contents: &DirectContents) -> Result<(), Error> {
-        let DirectContents { points, values } = contents;
+    fn check(&self, contents: &DirectSnapshot) -> Result<(), Error> {
+        let DirectSnapshot { points, values } = contents;
         self.points.check(points, "direct")?;
         let n = points.addresses.len();
-        match (self.field, &self.bits, &self.runs, values) {
-            (Field::SixAxis { .. }, _, _, DirectValues::SixAxis(numbers)) => {
+        match (self.encoding, &self.bits, &self.runs, values) {
+            (DirectEncoding::SixAxis { .. }, _, _, DirectValues::SixAxis(numbers)) => {
                 check_length("direct values", numbers.len(), &[n, 6, 2, 3])?;
                 check_finite("direct values", numbers)?;
             }
-            (Field::Scalar { .. }, _, _, DirectValues::Scalar(numbers)) => {
+            (DirectEncoding::Scalar { .. }, _, _, DirectValues::Scalar(numbers)) => {
                 check_length("direct values", numbers.len(), &[n, 2, 3])?;
                 check_finite("direct values", numbers)?;
             }
@@ -58,12 +58,12 @@ impl DirectField {
             }
             (_, _, Some(own), DirectValues::Runs { ends, runs }) => return self.check_runs(contents, own, ends, runs),
             (_, bits, runs, _) => {
-                let own = match self.field {
-                    Field::SixAxis { .. } => "six axes",
-                    Field::Scalar { .. } => "the paper's scalar",
-                    Field::ByLight { .. } if bits.is_some() => "single lights",
-                    Field::ByLight { .. } if runs.is_some() => "clusters of lights",
-                    Field::ByLight { .. } => "lights",
+                let own = match self.encoding {
+                    DirectEncoding::SixAxis { .. } => "six axes",
+                    DirectEncoding::Scalar { .. } => "the paper's scalar",
+                    DirectEncoding::PerLight { .. } if bits.is_some() => "single lights",
+                    DirectEncoding::PerLight { .. } if runs.is_some() => "clusters of lights",
+                    DirectEncoding::PerLight { .. } => "lights",
                 };
                 return refuse("direct values", format!("are of another method; this mesh keeps {own}"));
             }
@@ -85,7 +85,7 @@ impl DirectField {
         Ok(())
     }
 
-    fn check_runs(&self, contents: &DirectContents, own: &LightRuns, ends: &[u64], runs: &[u32]) -> Result<(), Error> {
+    fn check_runs(&self, contents: &DirectSnapshot, own: &LightRuns, ends: &[u64], runs: &[u32]) -> Result<(), Error> {
         check_length("direct values' ends", ends.len(), &[contents.points.addresses.len()])?;
         let all = split(ends, runs);
         let Some(all) = all else {
@@ -110,10 +110,10 @@ impl DirectField {
     }
 
     /// Adds what is not known; it has been checked.
-    fn absorb(&mut self, contents: &DirectContents) {
-        let Self { points, values: own, bits, runs, field, .. } = self;
+    fn absorb(&mut self, contents: &DirectSnapshot) {
+        let Self { points, values: own, bits, runs, encoding: field, .. } = self;
         let stride = field.stride();
-        points.absorb(&contents.points, |i| match &contents.values {
+        points.merge(&contents.points, |i| match &contents.values {
             DirectValues::SixAxis(numbers) | DirectValues::Scalar(numbers) => {
                 own.extend(values(&numbers[i * stride * 3..][..stride * 3]));
             }
@@ -143,10 +143,10 @@ fn split<'a>(ends: &[u64], runs: &'a [u32]) -> Option<Vec<&'a [u32]>> {
 }
 
 impl IndirectField {
-    fn check(&self, contents: &IndirectContents) -> Result<(), Error> {
-        let (sides, bounces) = (self.sides.count(), self.levels.len() - 1);
-        if contents.sides as usize != sides {
-            let what = format!("have {} sides; this mesh keeps {sides}: it is of another method", contents.sides);
+    fn check(&self, contents: &IndirectSnapshot) -> Result<(), Error> {
+        let (sides, bounces) = (self.faces.count(), self.bounce_values.len() - 1);
+        if contents.faces as usize != sides {
+            let what = format!("have {} sides; this mesh keeps {sides}: it is of another method", contents.faces);
             return refuse("indirect values", what);
         }
         if contents.bounces as usize != bounces {
@@ -154,7 +154,7 @@ impl IndirectField {
             return refuse("indirect values", what);
         }
         self.points.check(&contents.points, "indirect")?;
-        let shape = [self.levels.len(), contents.points.addresses.len(), sides, 3];
+        let shape = [self.bounce_values.len(), contents.points.addresses.len(), sides, 3];
         check_length("indirect values", contents.values.len(), &shape)?;
         check_finite("indirect values", &contents.values)?;
         if !(contents.hit_irradiance.is_finite() && contents.hit_irradiance >= 0.0) {
@@ -165,18 +165,19 @@ impl IndirectField {
     }
 
     /// Adds what is not known; it has been checked.
-    fn absorb(&mut self, contents: &IndirectContents) {
-        let (count, one) = (contents.points.addresses.len(), 3 * self.sides.count());
-        let Self { points, levels, .. } = self;
+    fn absorb(&mut self, contents: &IndirectSnapshot) {
+        let (count, one) = (contents.points.addresses.len(), 3 * self.faces.count());
+        let Self { points, bounce_values: levels, .. } = self;
         let before = points.len();
-        points.absorb(&contents.points, |i| {
+        points.merge(&contents.points, |i| {
             for (k, level) in levels.iter_mut().enumerate() {
                 level.extend(values(&contents.values[(k * count + i) * one..][..one]));
             }
         });
         // Of all that was gathered, the part of the points that are new: enough for an estimate.
         let part = (self.points.len() - before) as f64 / count.max(1) as f64;
-        self.hit_irradiance.0 += part * contents.hit_irradiance;
-        self.hit_irradiance.1 = self.hit_irradiance.1.saturating_add((part * contents.hit_count as f64) as u64);
+        self.gather_hit_irradiance.0 += part * contents.hit_irradiance;
+        self.gather_hit_irradiance.1 =
+            self.gather_hit_irradiance.1.saturating_add((part * contents.hit_count as f64) as u64);
     }
 }

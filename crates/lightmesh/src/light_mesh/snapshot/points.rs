@@ -5,22 +5,22 @@ use std::collections::HashSet;
 use glam::UVec3;
 
 use super::check::{check_length, refuse};
-use super::{PointContents, PointCounts};
+use super::{PointCursor, PointSnapshot};
 use crate::Error;
-use crate::mesh::{Address, BrickPoints, Clearance, LatticeShape, Points, Slot, lattice, requests};
+use crate::mesh::{Address, BrickMask, Clearance, LatticeShape, Points, Slot, lattice, requests};
 
 impl Points {
     /// How many there are.
-    pub(crate) fn counts(&self) -> PointCounts {
-        PointCounts { valid: self.len(), invalid: self.invalid_addresses().len() }
+    pub(crate) fn cursor(&self) -> PointCursor {
+        PointCursor { valid: self.len(), invalid: self.invalid_addresses().len() }
     }
 
     /// Those since `counts`.
-    pub(crate) fn contents_since(&self, counts: PointCounts) -> PointContents {
+    pub(crate) fn snapshot_since(&self, counts: PointCursor) -> PointSnapshot {
         let plain = |&Address { level, coordinate: c }: &Address| [level, c.x, c.y, c.z];
         let first = counts.valid.min(self.len());
         let invalid = self.invalid_addresses();
-        PointContents {
+        PointSnapshot {
             lattices: self.shapes().collect(),
             addresses: (first..self.len()).map(|i| plain(&self.address(i))).collect(),
             clearances: (first..self.len()).map(|i| self.clearance(i as u32).sides()).collect(),
@@ -29,8 +29,8 @@ impl Points {
     }
 
     /// Those of some bricks that are not empty, in order, and the indices of those that give light.
-    pub(super) fn contents_of(&self, bricks: &[BrickPoints]) -> Result<(PointContents, Vec<u32>), Error> {
-        let mut contents = PointContents { lattices: self.shapes().collect(), ..PointContents::default() };
+    pub(super) fn snapshot_of(&self, bricks: &[BrickMask]) -> Result<(PointSnapshot, Vec<u32>), Error> {
+        let mut contents = PointSnapshot { lattices: self.shapes().collect(), ..PointSnapshot::default() };
         let mut indices = Vec::new();
         requests::each(self, bricks, |level, brick, local, slot| {
             let c = self.level(level).lattice.coordinate(brick, local);
@@ -53,7 +53,7 @@ impl Points {
     }
 
     /// Refuses points of other lattices, and such as lie on none.
-    pub(super) fn check(&self, contents: &PointContents, field: &str) -> Result<(), Error> {
+    pub(super) fn check(&self, contents: &PointSnapshot, field: &str) -> Result<(), Error> {
         let own: Vec<LatticeShape> = self.shapes().collect();
         if contents.lattices.len() != own.len() {
             let what =
@@ -86,7 +86,7 @@ impl Points {
     }
 
     /// How many of some points are not known here, and how many bricks they need. They lie on the lattices.
-    pub(super) fn news(&self, contents: &PointContents) -> (usize, u64) {
+    pub(super) fn news(&self, contents: &PointSnapshot) -> (usize, u64) {
         let (mut new, mut bricks) = (0, HashSet::new());
         for &address in contents.addresses.iter().chain(&contents.invalid) {
             let Address { level, coordinate } = from_plain(address);
@@ -104,7 +104,7 @@ impl Points {
     }
 
     /// Adds those that are not known; `take` gets the place in `contents` of each that gives light.
-    pub(super) fn absorb(&mut self, contents: &PointContents, mut take: impl FnMut(usize)) {
+    pub(super) fn merge(&mut self, contents: &PointSnapshot, mut take: impl FnMut(usize)) {
         let is_new =
             |points: &Self, address: Address| points.level(address.level).slot(address.coordinate) == Slot::Empty;
         for (i, (&address, &sides)) in contents.addresses.iter().zip(&contents.clearances).enumerate() {

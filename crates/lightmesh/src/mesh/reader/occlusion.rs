@@ -1,40 +1,40 @@
 //! Which corners of its cell a surface point sees, where clearances do not tell.
 
-use super::super::clearance::piece;
-use super::super::corners::{bits, corner};
+use super::super::clearance::component;
+use super::super::corners::{corner, set_bits};
 use super::super::probe::sees;
-use super::super::read_result::Sight;
+use super::super::read_result::CornerVisibility;
 use super::super::stencil::Stencil;
 use super::Reader;
 use crate::geometry::Ray;
-use crate::interaction::Vertex;
+use crate::interaction::ShadingPoint;
 use crate::sampling::{hash, seed_of_place};
 
 impl Reader<'_> {
     /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
     #[cold]
-    pub(super) fn look(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+    pub(super) fn trace_occlusion(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
         match self.sight {
-            Sight::Every => {
-                let seen = self.look_by_pieces(vertex, stencil, usable, parted);
-                if seen != 0 { seen } else { self.look_at_each(vertex, usable) }
+            CornerVisibility::All => {
+                let seen = self.trace_components(vertex, stencil, usable, parted);
+                if seen != 0 { seen } else { self.trace_each(vertex, usable) }
             }
-            Sight::One => self.look_for_one(vertex, stencil, usable),
-            Sight::Unchecked { .. } => usable,
+            CornerVisibility::Stochastic => self.trace_until_visible(vertex, stencil, usable),
+            CornerVisibility::Deferred { .. } => usable,
         }
     }
 
     /// Corners that are parted from the vertex get a ray each; one to the heaviest of the others decides about its piece, unless
     /// there is but one piece and nothing of it is hidden.
-    fn look_by_pieces(&mut self, vertex: &Vertex, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
-        let mut seen = self.look_at_each(vertex, parted);
+    fn trace_components(&mut self, vertex: &ShadingPoint, stencil: &Stencil, usable: u8, parted: u8) -> u8 {
+        let mut seen = self.trace_each(vertex, parted);
         let mut rest = usable;
         while rest != 0 {
-            let piece = piece(&self.links, rest);
+            let piece = component(&self.free_edges, rest);
             rest &= !piece;
             let together = piece & !parted;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
-            let Some(heaviest) = bits(together).max_by(heavier) else { continue };
+            let Some(heaviest) = set_bits(together).max_by(heavier) else { continue };
             let trusted = piece == usable && parted & !seen == 0;
             if trusted || self.sees(vertex, heaviest) {
                 seen |= together;
@@ -43,15 +43,15 @@ impl Reader<'_> {
         seen
     }
 
-    pub(super) fn look_at_each(&mut self, vertex: &Vertex, corners: u8) -> u8 {
-        bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
+    pub(super) fn trace_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
+        set_bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
     /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
-    fn look_for_one(&mut self, vertex: &Vertex, stencil: &Stencil, mut corners: u8) -> u8 {
+    fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
         let mut seed = seed_of_place(vertex.position);
         while corners != 0 {
-            let k = choose(bits(corners).map(|k| (k, stencil.weight(k))), seed);
+            let k = choose(set_bits(corners).map(|k| (k, stencil.weight(k))), seed);
             if self.sees(vertex, k) {
                 return 1 << k;
             }
@@ -62,8 +62,8 @@ impl Reader<'_> {
     }
 
     /// Whether nothing stands between the vertex and corner k.
-    fn sees(&mut self, vertex: &Vertex, k: usize) -> bool {
-        self.sight_rays += 1;
+    fn sees(&mut self, vertex: &ShadingPoint, k: usize) -> bool {
+        self.visibility_rays += 1;
         let point = self.level.lattice.point(corner(self.cell, k));
         sees(self.scene, &Ray::segment(vertex.origin_towards(point - vertex.position), point))
     }

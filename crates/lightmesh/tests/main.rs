@@ -1,0 +1,23 @@
+//! All tests of the library from the outside, as one program: it links once.
+
+mod accuracy;
+mod aov;
+mod area_lights;
+mod common;
+mod contents;
+mod direct_light;
+mod environment;
+mod filling;
+mod flip;
+mod floors;
+mod graded;
+mod indirect_light;
+mod invariants;
+mod many_lights;
+mod materials;
+mod meters;
+mod neighbourhoods;
+mod portions;
+mod shapes;
+mod textures;
+mod viewer;
