@@ -104,16 +104,8 @@ fn clusters_of_lights_travel_too() {
 #[test]
 fn finer_levels_travel_too() {
     let scene = Scene::new(room()).expect("scene");
-    for (method, refine, error) in
-        [(Method::MESH, Some(2), None), (Method::Hybrid, Some(1), None), (Method::MESH, None, Some(0.05))]
-    {
-        let (_, contents) = check_shared(
-            &scene,
-            &with_bounces(method, 2).with(|o| {
-                o.mesh.refine = refine;
-                o.method = Method::Mesh { error: error };
-            }),
-        );
+    for (method, refine) in [(Method::MESH, Some(2)), (Method::Hybrid, Some(1)), (Method::with_error(0.05), None)] {
+        let (_, contents) = check_shared(&scene, &with_bounces(method, 2).with(|o| o.mesh.refine = refine));
         let levels = contents.direct.points.lattices.len();
         assert_eq!(levels, 1 + refine.unwrap_or(2) as usize);
         let finest = |points: &lightmesh::PointSnapshot| points.addresses.iter().map(|a| a[0]).max();

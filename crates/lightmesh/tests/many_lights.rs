@@ -60,22 +60,21 @@ fn pictures_are_as_near_as_they_say() {
 #[test]
 fn clusters_are_the_same_whoever_asks() {
     let scene = Scene::new(crowded()).expect("scene");
-    let with = |method, refine, error: Option<f32>| {
-        let bounces = if error.is_some() { 0 } else { 1 };
+    let with = |method: Method, refine| {
+        let bounces = if method.error().is_some() { 0 } else { 1 };
         options(method).with(|o| {
             o.mesh.refine = refine;
-            o.method = Method::Mesh { error: error };
             o.transport.bounces = bounces;
             o.mesh.gather_rays = 16;
         })
     };
     for options in [
-        with(Method::MESH, None, None),
-        with(Method::PAPER, None, None),
-        with(Method::Hybrid, None, None),
-        with(Method::Hybrid, Some(1), None),
-        with(Method::UNBIASED, None, None),
-        with(Method::MESH, Some(1), Some(0.1)),
+        with(Method::MESH, None),
+        with(Method::PAPER, None),
+        with(Method::Hybrid, None),
+        with(Method::Hybrid, Some(1)),
+        with(Method::UNBIASED, None),
+        with(Method::with_error(0.1), Some(1)),
     ] {
         let frames = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
