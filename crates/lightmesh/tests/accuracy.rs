@@ -45,6 +45,17 @@ fn hybrid_is_nearly_exact() {
     assert_ne!(other.image, hybrid.image);
 }
 
+/// Seeds that differ in their upper half alone, or have two equal halves, give other shadow rays too.
+#[test]
+fn both_halves_of_a_seed_choose_the_shadow_rays() {
+    let scene = hall();
+    for base in [options(Method::Hybrid), RenderOptions { error: Some(0.05), ..options(Method::Mesh) }] {
+        let [zero, upper, both] = [0, 1 << 32, 0x1_0000_0001]
+            .map(|seed| shoot(&scene, &room_camera(), &RenderOptions { seed, ..base.clone() }).image);
+        assert!(zero != upper && zero != both && upper != both, "{:?}", base.method);
+    }
+}
+
 /// Where the pictures of 64 seeds are independent estimates of the truth, the mean of each tile's light is off by z standard errors
 /// with z nearly normal: the mean of z² over 48 tiles is 1 within 4 √(2/48) but once in 10,000, and that of the whole
 /// picture's light is below 4².

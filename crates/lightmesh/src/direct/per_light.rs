@@ -26,7 +26,7 @@ use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{BlockTerms, LANES, LightTerms, Receiver};
-use crate::sampling::hash;
+use crate::sampling::{hash, set_bits, unit_f32};
 use crate::world::Scene;
 
 /// How much of the light at a surface the mesh is believed about.
@@ -112,12 +112,12 @@ impl Shaded<'_> {
 
     /// The i-th random number, in [0, 1).
     fn random(&self, i: u32) -> f32 {
-        (hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        unit_f32(hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))))
     }
 
     /// The i-th random number for a node of the light tree, in [0, 1).
     fn random_in(&self, node: u32, i: u32) -> f32 {
-        (hash(hash(self.seed ^ hash(node)).wrapping_add(i)) >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        unit_f32(hash(hash(self.seed ^ hash(node)).wrapping_add(i)))
     }
 }
 
@@ -141,7 +141,7 @@ impl PerLightShader {
 
             // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
             let singles = disputed | block.towards_occluder;
-            for i in ones(singles) {
+            for i in set_bits::<LANES>(singles) {
                 let is_disputed = disputed >> i & 1 != 0;
                 let number = dispute;
                 dispute += usize::from(is_disputed);
@@ -179,7 +179,7 @@ impl PerLightShader {
                 continue;
             }
             let looked_at = if care.agreement == TrustAgreement::Yes { giving } else { !singles & ((1 << LANES) - 1) };
-            for i in ones(looked_at) {
+            for i in set_bits::<LANES>(looked_at) {
                 let mass = block.contributions[i];
                 if mass <= 0.0 {
                     continue;
@@ -272,14 +272,4 @@ impl PerLightShader {
         self.queue.clear();
         count
     }
-}
-
-/// The places of the set bits, ascending, below [`LANES`].
-#[inline(always)]
-fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (i < LANES).then_some(i)
-    })
 }

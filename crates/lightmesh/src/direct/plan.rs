@@ -2,7 +2,7 @@
 
 use super::per_light::SamplingPolicy;
 use crate::mesh::CornerVisibility;
-use crate::sampling::hash;
+use crate::sampling::{fold_seed, hash};
 use crate::{Method, RenderOptions};
 
 /// How surfaces take their light.
@@ -46,14 +46,16 @@ pub(crate) enum Indirect {
 impl Shading {
     /// Light by light, seeded as the options say.
     pub(crate) fn by_light(care: SamplingPolicy, options: &RenderOptions) -> Self {
-        Self::PerLight { care, seed: options.seed as u32 ^ (options.seed >> 32) as u32 }
+        // Not `fold_seed`: seeds below 2³² keep the pictures that they have always had.
+        let (low, high) = (options.seed as u32, (options.seed >> 32) as u32);
+        Self::PerLight { care, seed: low ^ hash(high) ^ hash(0) }
     }
 }
 
 impl LightingPlan {
     /// What the method says.
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        let seed = hash(options.seed as u32 ^ hash((options.seed >> 32) as u32));
+        let seed = fold_seed(options.seed);
         let unbiased = |rays| Shading::Unbiased { rays, seed };
         let (seen, gathered) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
@@ -85,5 +87,27 @@ impl LightingPlan {
             CornerVisibility::All | CornerVisibility::Deferred { .. } => self.primary,
             CornerVisibility::Stochastic => self.gather,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seed(seed: u64) -> u32 {
+        let options = RenderOptions { seed, ..RenderOptions::default() };
+        match Shading::by_light(SamplingPolicy::HYBRID, &options) {
+            Shading::PerLight { seed, .. } => seed,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Equal halves too: 0x1_0000_0001 chose the shadow rays of 0 once.
+    #[test]
+    fn both_halves_of_the_seed_choose_shadow_rays() {
+        assert_eq!([0, 7, u64::from(u32::MAX)].map(seed), [0, 7, u32::MAX]);
+        let seeds = [0, 1, 1 << 32, 0x1_0000_0001, 0x2_0000_0000, 0x2_0000_0002, u64::MAX];
+        let distinct: std::collections::HashSet<u32> = seeds.into_iter().map(seed).collect();
+        assert_eq!(distinct.len(), seeds.len());
     }
 }

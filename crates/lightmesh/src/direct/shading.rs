@@ -16,7 +16,7 @@ use crate::interaction::ShadingPoint;
 use crate::light::{LightCut, LightSamples};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
-use crate::sampling::seed_of_place;
+use crate::sampling::seed_of_position;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
 /// Shadow rays of unbiased light to clusters, at least, from a surface that no mesh point knows about. Empirical, not varied: few are.
@@ -159,7 +159,7 @@ impl ShadingBatch {
                 vertex,
                 surface,
                 lights: reader.lights(),
-                seed: seed ^ seed_of_place(vertex.position),
+                seed: seed ^ seed_of_position(vertex.position),
                 origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {

@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::visibility_bits::LightBits;
 use crate::light::LANES;
 use crate::mesh::{ByCorner, ONES, set_bits as corners_of};
+use crate::sampling::set_bits;
 
 /// Most points that are heard.
 const MAX_POINTS: usize = 32;
@@ -141,7 +142,7 @@ impl VisibilityEstimate {
             for (i, block) in self.partial[word * 64 / LANES..].iter_mut().take(64 / LANES).enumerate() {
                 *block = (disputed >> (i * LANES)) as u32 & ((1 << LANES) - 1);
             }
-            self.rows.extend(ones(disputed).map(|bit| {
+            self.rows.extend(set_bits::<64>(disputed).map(|bit| {
                 rows.iter().fold((0, 0), |(seen_by, open_to), &(seen, open, place)| {
                     (seen_by | ((seen >> bit & 1) as u32) << place, open_to | ((open >> bit & 1) as u32) << place)
                 })
@@ -167,15 +168,6 @@ impl VisibilityEstimate {
         // Most points either see a light or not.
         if seen == open { sum(seen) } else { 0.5 * (sum(seen) + sum(open)) }
     }
-}
-
-/// The places of the set bits, ascending.
-fn ones(mut word: u64) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let bit = word.trailing_zeros();
-        word &= word.wrapping_sub(1);
-        (bit < 64).then_some(bit)
-    })
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub(crate) use passes::{SumOrder, WAVE, take_samples};
 use sketch::CoarsePreview;
 
 use crate::geometry::{Cone, Ray};
-use crate::sampling::{film_samples, hash};
+use crate::sampling::{film_samples, fold_seed, hash};
 use crate::scene::FilmRays;
 use crate::{Aovs, Camera, RenderOptions};
 
@@ -137,7 +137,7 @@ impl Film {
     pub(crate) fn draw(&self, seed: u64, set: u32, count: u64) -> Vec<u32> {
         let all = self.pixel_count();
         let count = count.min(all);
-        let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ hash(set.wrapping_add(0x51ed)));
+        let seed = hash(fold_seed(seed) ^ hash(set.wrapping_add(0x51ed)));
         let pixel = |i: u64| {
             let (from, to) = (i * all / count, (i + 1) * all / count);
             let (x, y) = self.order.place(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
@@ -220,7 +220,7 @@ impl Film {
     pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
-            let bits = hash(hash(self.seed as u32 ^ hash((self.seed >> 32) as u32)) ^ sample.pixel);
+            let bits = hash(fold_seed(self.seed) ^ sample.pixel);
             let [x, y] = self.offsets[sample.index as usize];
             // At most 2²³ strata: f32 holds their middles.
             let digits = self.offsets.len().next_power_of_two().ilog2().min(23);

@@ -12,7 +12,7 @@ use crate::direct::DirectLighting;
 use crate::mesh::{
     Address, AmbientCube, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, ReadResult, choose, probe,
 };
-use crate::sampling::seed_of_place;
+use crate::sampling::seed_of_position;
 use crate::{Error, RenderOptions, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
@@ -252,7 +252,7 @@ impl IndirectField {
                 for vertex in &gather.lit.vertices {
                     corners.clear();
                     let from = match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
-                        ReadResult::Value => choose(corners.iter().copied(), seed_of_place(vertex.position)),
+                        ReadResult::Value => choose(corners.iter().copied(), seed_of_position(vertex.position)),
                         ReadResult::Unavailable => Transfer::NOWHERE,
                         ReadResult::Pending => {
                             linked.complete = false;

@@ -15,12 +15,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{GatherRays, Strata, seed_of_surface, unit};
+use super::gather::{GatherRays, Strata};
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{CornerVisibility, Marks};
-use crate::sampling::hash;
+use crate::sampling::{hash, seed_of_surface, unit_f32};
 
 /// Least and most of q, the albedo where a ray ends: with it the weight of what is found stays as it is, (a / π) π / q = 1, and the noise
 /// of a ray that goes on and on does not grow. Empirical: docs/accuracy.md has error and time of others.
@@ -115,7 +115,7 @@ impl IndirectField {
             let reading = readings.next().flatten();
             let q = (PI * vertex.weight.max_element()).clamp(*GO_ON.start(), *GO_ON.end());
             // Not the numbers that the rays' directions are made of.
-            if unit(hash(seed_of_surface(!paths.seed, vertex.position))) < q {
+            if unit_f32(hash(seed_of_surface(!paths.seed, vertex.position))) < q {
                 going_on.push(*vertex);
                 places.push((arriving.len(), q));
             }

@@ -13,8 +13,8 @@ use crate::bvh::Hit;
 use crate::direct::ShadingBatch;
 use crate::geometry::Ray;
 use crate::interaction::{MAX_TRANSPARENT_HITS, ShadingPoint, evaluate};
-use crate::mesh::{Address, Coordinate};
-use crate::sampling::{basis, hash, sample_cosine_hemisphere};
+use crate::mesh::Address;
+use crate::sampling::{basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32};
 use crate::{RenderOptions, Scene};
 
 /// 1 / golden ratio in units of 2⁻³².
@@ -45,7 +45,7 @@ pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     let mut directions: Vec<Vec3> = (0..count)
         .map(|i| {
             let z = 1.0 - (2 * i + 1) as f32 / count as f32;
-            let phi = TAU * unit(i.wrapping_mul(INV_GOLDEN));
+            let phi = TAU * unit_f32(i.wrapping_mul(INV_GOLDEN));
             let r = (1.0 - z * z).max(0.0).sqrt();
             Vec3::new(r * libm::cosf(phi), r * libm::sinf(phi), z)
         })
@@ -73,29 +73,14 @@ pub(super) enum Strata {
     Jittered,
 }
 
-/// 32 bits as a number in [0, 1), 24 of them.
-pub(super) fn unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
-}
-
 /// The seed of a mesh point.
 pub(super) fn seed_of_point(seed: u64, at: Address) -> u32 {
     seed_of_coordinate(seed.wrapping_add(u64::from(at.level) << 48), at.coordinate)
 }
 
-fn seed_of_coordinate(seed: u64, c: Coordinate) -> u32 {
-    let seed = hash(seed as u32 ^ hash((seed >> 32) as u32));
-    hash(hash(hash(seed ^ c.x) ^ c.y) ^ c.z)
-}
-
-/// The seed of a surface point.
-pub(super) fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
-    seed_of_coordinate(seed, Coordinate::from_array(p.to_array().map(f32::to_bits)))
-}
-
 /// A rotation, uniform over all (Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992).
 pub(super) fn random_rotation(seed: u32) -> Mat3 {
-    let [u, v, w] = [0, 1, 2].map(|i| unit(hash(seed.wrapping_add(i))));
+    let [u, v, w] = [0, 1, 2].map(|i| unit_f32(hash(seed.wrapping_add(i))));
     let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
     let (x, y) = (TAU * v, TAU * w);
     Mat3::from_quat(Quat::from_xyzw(a * libm::sinf(x), a * libm::cosf(x), b * libm::sinf(y), b * libm::cosf(y)))
@@ -148,9 +133,9 @@ impl GatherRays {
             for i in 0..count {
                 let height = match heights {
                     Strata::Centered => 0.5,
-                    Strata::Jittered => unit(hash(seed ^ hash(!i))),
+                    Strata::Jittered => unit_f32(hash(seed ^ hash(!i))),
                 };
-                let azimuth = unit(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
+                let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
                 let direction = t * local.x + b * local.y + vertex.n * local.z;
                 self.batch.push(Ray::new(vertex.origin_towards(direction), direction));
@@ -183,7 +168,7 @@ impl GatherRays {
         loop {
             let surface = evaluate(scene, &ray, &hit);
             dice = hash(dice);
-            if surface.opacity < 1.0 && unit(dice) >= surface.opacity {
+            if surface.opacity < 1.0 && unit_f32(dice) >= surface.opacity {
                 layers += 1;
                 if layers > MAX_TRANSPARENT_HITS {
                     return;
@@ -202,7 +187,7 @@ impl GatherRays {
                     return;
                 }
                 dice = hash(dice);
-                let u = unit(dice) * total;
+                let u = unit_f32(dice) * total;
                 let way = if u < shares[0] {
                     0
                 } else if u < shares[0] + shares[1] || shares[2] == 0.0 {
@@ -228,6 +213,7 @@ impl GatherRays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::chi_square::assert_uniform;
 
     /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss it by
     /// 18% (one standard deviation).
@@ -241,21 +227,17 @@ mod tests {
         }
     }
 
-    /// A random rotation takes any vector to a uniform direction: χ² over 8 × 8 cells of equal area in
-    /// cos θ and φ, 63 degrees of freedom: P(χ² > 113.5) < 1e-4.
+    /// A random rotation takes any vector to a uniform direction, over 8 × 8 cells of equal area in cos θ and φ.
     #[test]
     fn rotations_are_uniform_and_proper() {
         let mut cells = [0_u32; 64];
-        let n = 20_000;
-        for i in 0..n {
+        for i in 0..20_000 {
             let m = random_rotation(hash(i));
             assert!((m.determinant() - 1.0).abs() < 1e-5);
             let d = m * Vec3::new(0.36, 0.48, 0.8);
             let phi = libm::atan2f(d.y, d.x) / TAU + 0.5;
             cells[((d.z + 1.0) * 4.0).min(7.0) as usize * 8 + (phi * 8.0).min(7.0) as usize] += 1;
         }
-        let expected = f64::from(n) / 64.0;
-        let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
-        assert!(chi2 < 113.5, "χ² = {chi2}");
+        assert_uniform(&cells);
     }
 }

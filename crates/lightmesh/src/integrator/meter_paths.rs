@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::path::PathTracer;
 use crate::progress::Reporter;
-use crate::sampling::{Sampler, hash, seed_of_place};
+use crate::sampling::{Sampler, hash, seed_of_position};
 use crate::{Error, Meter, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
 /// Samples per unit of parallel work, and samples between two visits to the results.
@@ -71,7 +71,7 @@ fn trace(
         return Sums::default();
     }
     let vertex = meter.shading_point(scene);
-    let seed = hash(seed_of_place(vertex.position)) ^ seed_of_place(vertex.n);
+    let seed = hash(seed_of_position(vertex.position)) ^ seed_of_position(vertex.n);
     let mut tracer = PathTracer::new(scene, options);
     let mut sums = [DVec3::ZERO; 2];
     let count = u64::from(samples.end - samples.start);

@@ -10,7 +10,7 @@ use super::tree::bound::Receivers;
 use super::tree::cut::{Refinement, Tolerance};
 use crate::Falloff;
 use crate::geometry::Ray;
-use crate::sampling::hash;
+use crate::sampling::{hash, seed_of_position, unit_f32};
 
 /// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the noise and the time of 0 to
 /// 0.4.
@@ -53,7 +53,7 @@ impl<'a> LightCut<'a> {
         let Some((tree, tolerance)) = self.tree else { return };
         tree.cut(&Receivers::at(x), falloff, tolerance, &mut self.refinement, &mut self.cut);
         tree.pack(&self.cut, &mut self.clusters, &mut self.nodes);
-        self.seed = x.to_array().into_iter().fold(0, |seed, c| hash(seed ^ c.to_bits()));
+        self.seed = seed_of_position(x);
     }
 
     /// The lights that are seen from there.
@@ -72,7 +72,7 @@ impl<'a> LightCut<'a> {
     pub(crate) fn shadow_ray(&self, lane: usize, from: Vec3) -> Ray {
         let Some((tree, _)) = self.tree else { return self.samples.shadow_ray(lane, from) };
         let node = self.nodes[lane];
-        let u = (hash(self.seed ^ hash(node)) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+        let u = unit_f32(hash(self.seed ^ hash(node)));
         self.samples.shadow_ray(tree.representative(node, u), from)
     }
 }

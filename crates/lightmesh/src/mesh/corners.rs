@@ -3,6 +3,7 @@
 use glam::{UVec3, Vec4};
 
 use super::lattice::Coordinate;
+use crate::sampling;
 
 /// A number per corner: four with the lower z, four with the upper.
 pub(crate) type ByCorner = [Vec4; 2];
@@ -18,14 +19,10 @@ pub(crate) const ONES: [Vec4; 16] = {
     ones
 };
 
-/// The places of the set bits, ascending.
+/// The corners of a mask, ascending.
 #[inline(always)]
-pub(crate) fn set_bits(mut mask: u8) -> impl Iterator<Item = usize> + Clone {
-    std::iter::from_fn(move || {
-        let k = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (k < 8).then_some(k)
-    })
+pub(crate) fn set_bits(mask: u8) -> impl Iterator<Item = usize> + Clone {
+    sampling::set_bits::<8>(mask)
 }
 
 /// The coordinate of corner k of a cell.

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::bricks::Bricks;
+use crate::sampling::set_bits;
 
 /// Marks on all levels of a mesh.
 #[derive(Debug)]
@@ -67,11 +68,8 @@ impl LevelMarks {
         let (mut wanted, mut new_bricks) = (Vec::new(), 0);
         for (brick, words) in self.take_words() {
             new_bricks += u64::from(!bricks.exists(brick));
-            for (i, mut bits) in words.into_iter().enumerate() {
-                while bits != 0 {
-                    wanted.push((brick, i * 64 + bits.trailing_zeros() as usize));
-                    bits &= bits - 1;
-                }
+            for (i, word) in words.into_iter().enumerate() {
+                wanted.extend(set_bits::<64>(word).map(|bit| (brick, i * 64 + bit)));
             }
         }
         (wanted, new_bricks)

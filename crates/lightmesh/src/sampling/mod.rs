@@ -1,11 +1,17 @@
 //! Sample positions: the film, the hemisphere, and choices; all seeded from (pixel, sample, dimension).
 
+mod bits;
+#[cfg(test)]
+pub(crate) mod chi_square;
 mod piecewise_constant;
+mod rng;
 
 use std::f32::consts::TAU;
 
+pub(crate) use bits::set_bits;
 use glam::{Vec2, Vec3};
 pub(crate) use piecewise_constant::Table;
+pub(crate) use rng::{fold_seed, hash, seed_of_coordinate, seed_of_position, seed_of_surface, unit_f32};
 
 /// Samples of one pixel: an Owen-scrambled Sobol sequence (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020), four
 /// dimensions at a time, decorrelated between pixels and groups of dimensions by their seeds.
@@ -20,7 +26,7 @@ pub(crate) struct Sampler {
 impl Sampler {
     /// Numbers for the `sample`-th path of its pixel.
     pub(crate) fn new(seed: u64, pixel: u32, sample: u32) -> Self {
-        let seed = hash(hash(seed as u32 ^ hash((seed >> 32) as u32)) ^ pixel);
+        let seed = hash(fold_seed(seed) ^ pixel);
         Self { index: sample, seed, dimension: 0, choices: 0 }
     }
 
@@ -43,8 +49,7 @@ impl Sampler {
     /// A number in [0, 1) that takes no dimension of the sequence: for choices, of which most have one way to go.
     pub(crate) fn choice(&mut self) -> f32 {
         self.choices += 1;
-        let bits = hash(hash(self.seed ^ hash(self.index)).wrapping_add(self.choices));
-        (bits >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        unit_f32(hash(hash(self.seed ^ hash(self.index)).wrapping_add(self.choices)))
     }
 
     /// The next two numbers, from one stratified pair.
@@ -58,19 +63,6 @@ impl Sampler {
 pub(crate) fn film_samples(count: u32) -> Vec<[u32; 2]> {
     let digits = |i, dimension| (sobol_burley::sample(i, dimension, 0) * (1_u64 << 32) as f32) as u32;
     (0..count).map(|i| [digits(i, 0), digits(i, 1)]).collect()
-}
-
-/// PCG's output hash of 32 bits (Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020, section 4).
-pub(crate) fn hash(x: u32) -> u32 {
-    let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
-    (word >> 22) ^ word
-}
-
-/// A seed from the bits of a place.
-pub(crate) fn seed_of_place(place: Vec3) -> u32 {
-    let [x, y, z] = place.to_array().map(f32::to_bits);
-    hash(hash(hash(x) ^ y) ^ z)
 }
 
 /// A direction about +Z with pdf cosθ / π, from u in [0, 1)²: Malley's method on a uniform disk in polar coordinates.
@@ -114,25 +106,21 @@ mod tests {
         }
     }
 
-    /// χ² of 64 equal-probability cells: u is uniform, so the inverted samples of an independent rejection sampler
-    /// (uniform points of the disk, lifted) must fill them evenly. 63 degrees of freedom: P(χ² > 113.5) < 1e-4.
+    /// u is uniform, so the inverted samples of an independent rejection sampler (uniform points of the disk, lifted) fill 64 cells
+    /// of equal probability evenly.
     #[test]
     fn the_density_is_the_cosine() {
         let mut cells = [0u32; 64];
-        let mut n = 0;
         for i in 0..40_000u32 {
-            let unit = |k: u32| (hash(i * 2 + k) >> 8) as f32 / (1 << 24) as f32;
+            let unit = |k: u32| unit_f32(hash(i * 2 + k));
             let (x, y) = (2.0 * unit(0) - 1.0, 2.0 * unit(1) - 1.0);
             if x * x + y * y >= 1.0 {
                 continue;
             }
             let u = invert_cosine_hemisphere(Vec3::new(x, y, (1.0 - x * x - y * y).sqrt()));
             cells[((u.x * 8.0) as usize).min(7) * 8 + ((u.y * 8.0) as usize).min(7)] += 1;
-            n += 1;
         }
-        let expected = f64::from(n) / 64.0;
-        let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
-        assert!(chi2 < 113.5, "χ² = {chi2}");
+        chi_square::assert_uniform(&cells);
     }
 
     /// ∫ cosθ / π over the hemisphere is 1, by the midpoint rule in (cosθ, φ).

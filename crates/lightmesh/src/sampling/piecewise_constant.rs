@@ -76,6 +76,8 @@ fn find(cdf: &[f32], u: f32) -> (usize, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::chi_square::assert_follows;
+    use crate::sampling::{hash, unit_f32};
 
     fn table() -> (Table, Vec<f32>) {
         let weights: Vec<f32> = (0..24).map(|i| if i / 6 == 2 { 0.0 } else { (i * 7 % 11) as f32 }).collect();
@@ -105,24 +107,16 @@ mod tests {
         }
     }
 
-    /// χ² over the cells with weight: 16 of them, 15 degrees of freedom: P(χ² > 44) < 1e-4. Cells without get nothing.
     #[test]
     fn cells_come_in_proportion_to_their_weights() {
         let (table, weights) = table();
-        let n = 20_000_u32;
         let mut counts = vec![0_u32; weights.len()];
-        for i in 0..n {
-            let unit = |k| (super::super::hash(2 * i + k) >> 8) as f32 / 16_777_216.0;
+        for i in 0..20_000 {
+            let unit = |k: u32| unit_f32(hash(2 * i + k));
             let (column, row) = table.cell(table.sample(Vec2::new(unit(0), unit(1))));
             counts[row * 6 + column] += 1;
         }
-        let sum: f32 = weights.iter().sum();
-        let mut chi2 = 0.0;
-        for (&count, &weight) in counts.iter().zip(&weights) {
-            let expected = f64::from(weight / sum) * f64::from(n);
-            if weight == 0.0 { assert_eq!(count, 0) } else { chi2 += (f64::from(count) - expected).powi(2) / expected }
-        }
-        assert!(chi2 < 44.0, "χ² = {chi2}");
+        assert_follows(&counts, &weights.iter().copied().map(f64::from).collect::<Vec<_>>());
     }
 
     /// The density is the weight over the mean weight.

@@ -155,10 +155,11 @@ fn bytes_of_linear() -> &'static [u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::{hash, unit_f32};
 
     /// A number in [0, 1) for each texel, without any order.
     fn noise(i: usize) -> f32 {
-        crate::sampling::hash(i as u32) as f32 / 2.0_f32.powi(32)
+        unit_f32(hash(i as u32))
     }
 
     fn float_image(width: u32, height: u32) -> ImageData {

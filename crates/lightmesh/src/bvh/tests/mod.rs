@@ -8,6 +8,7 @@ mod two_levels;
 use glam::{Affine3A, Vec3};
 
 use crate::geometry::{Ray, TriangleMesh};
+use crate::sampling::unit_f32;
 use crate::scene::{Instance, SceneData};
 
 /// A small generator of test numbers: the PCG hash of a counter.
@@ -18,7 +19,7 @@ impl Random {
     fn unit(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
         let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
-        ((word >> 22 ^ word) >> 8) as f32 / (1 << 24) as f32
+        unit_f32(word >> 22 ^ word)
     }
 
     fn below(&mut self, n: usize) -> usize {

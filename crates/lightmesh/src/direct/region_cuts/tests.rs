@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec2};
 use super::*;
 use crate::geometry::TriangleMesh;
 use crate::light::emitters::radical_inverse;
-use crate::sampling::hash;
+use crate::sampling::{hash, unit_f32};
 use crate::{EmitterOptions, Environment, ImageData, Instance, Light, Material, SceneData, Texels};
 
 const SIZE: Vec3 = Vec3::new(10.0, 4.0, 8.0);
@@ -36,7 +36,7 @@ pub(crate) fn place(data: &mut SceneData, mesh: TriangleMesh) {
 }
 
 fn unit(i: u32, k: u32) -> f32 {
-    (hash(i ^ hash(k)) >> 8) as f32 / 16_777_216.0
+    unit_f32(hash(i ^ hash(k)))
 }
 
 /// `count` coloured points, 0.3 m off the walls.

@@ -249,6 +249,8 @@ mod tests {
 
     use super::*;
     use crate::geometry::{Sphere, TriangleMesh};
+    use crate::sampling::chi_square::assert_follows;
+    use crate::sampling::{hash, unit_f32};
     use crate::scene::Instance;
 
     /// Two triangles of 1 and 3 m², a sphere, brightness 1 and 2.
@@ -270,7 +272,7 @@ mod tests {
         (data, lights)
     }
 
-    /// Flux per element 1 : 3 : 2π. χ², two degrees of freedom: P(χ² > 18.5) < 1e-4. The density of a sample is that of its surface,
+    /// Flux per primitive 1 : 3 : 2π. The density of a sample is that of its surface,
     /// flux share over area.
     #[test]
     fn points_come_in_proportion_to_the_light_that_leaves_there() {
@@ -280,9 +282,9 @@ mod tests {
             Target::Triangle { instance: 0, triangle: 1 },
             Target::Sphere(0),
         ];
-        let (mut counts, n) = ([0_u32; 3], 20_000_u32);
-        for i in 0..n {
-            let unit = |k: u32| (crate::sampling::hash(2 * i + k) >> 8) as f32 / 16_777_216.0;
+        let mut counts = [0; 3];
+        for i in 0..20_000 {
+            let unit = |k: u32| unit_f32(hash(2 * i + k));
             let point = lights.sample(&data, Vec2::new(unit(0), unit(1))).expect("it shines");
             let on =
                 if point.position.z > 1.0 { 2 } else { usize::from(point.position.x + 0.5 * point.position.y > 1.0) };
@@ -290,12 +292,6 @@ mod tests {
             assert!((lights.pdf(&data, targets[on]) / point.pdf - 1.0).abs() < 1e-4);
         }
         let flux = [1.0, 3.0, 2.0 * PI];
-        let sum: f64 = flux.iter().sum();
-        let chi2: f64 = counts
-            .iter()
-            .zip(flux)
-            .map(|(&c, f)| (f64::from(c) - f / sum * f64::from(n)).powi(2) / (f / sum * f64::from(n)))
-            .sum();
-        assert!(chi2 < 18.5, "χ² = {chi2}");
+        assert_follows(&counts, &flux);
     }
 }

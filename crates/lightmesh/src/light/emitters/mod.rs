@@ -23,6 +23,7 @@ use glam::Vec3;
 use super::samples::LightSamples;
 use crate::Error;
 use crate::geometry::Aabb;
+use crate::sampling::unit_f32;
 use crate::scene::{EmitterOptions, Light, SceneData};
 
 /// Most samples of all emitters together: 64 MiB of them.
@@ -139,5 +140,5 @@ pub(crate) fn luminance(c: Vec3) -> f32 {
 
 /// i / 2³² with the bits of i reversed: van der Corput's sequence, in [0, 1).
 pub(crate) fn radical_inverse(i: u32) -> f32 {
-    (i.reverse_bits() >> 8) as f32 * (1.0 / (1 << 24) as f32)
+    unit_f32(i.reverse_bits())
 }

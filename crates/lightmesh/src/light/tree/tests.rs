@@ -8,7 +8,8 @@ use super::bound::{Bound, Receivers};
 use super::cut::{Refinement, Tolerance};
 use super::*;
 use crate::Falloff;
-use crate::sampling::hash;
+use crate::sampling::chi_square::assert_follows;
+use crate::sampling::{hash, unit_f32};
 use crate::scene::Light;
 
 /// Numbers from a seed.
@@ -17,7 +18,7 @@ struct Dice(u32);
 impl Dice {
     fn unit(&mut self) -> f32 {
         self.0 = hash(self.0);
-        (self.0 >> 8) as f32 / 16_777_216.0
+        unit_f32(self.0)
     }
 
     fn cube(&mut self) -> Vec3 {
@@ -252,18 +253,15 @@ fn bounds_are_not_far_off() {
     assert!(closest > 0.2, "{closest}");
 }
 
-/// χ² with 29 degrees of freedom: P(χ² > 65) < 2e-4.
 #[test]
 fn representatives_come_in_proportion_to_strength() {
     let mut dice = Dice(5);
     let samples = LightSamples::new(&lights(Set::Points, 30, 1.0, 0.0, &mut dice));
     let tree = LightTree::new(&samples);
-    let (mut counts, n) = (vec![0.0_f32; samples.lanes()], 20_000.0);
+    let mut counts = vec![0; samples.lanes()];
     for i in 0..20_000 {
-        counts[tree.representative(0, (hash(i) >> 8) as f32 / 16_777_216.0)] += 1.0;
+        counts[tree.representative(0, unit_f32(hash(i)))] += 1;
     }
-    let all: f32 = (0..samples.lanes()).map(|lane| samples.intensity(lane).element_sum()).sum();
-    let expected = |lane: usize| n * samples.intensity(lane).element_sum() / all;
-    let chi2: f32 = (0..30).map(|lane| (counts[lane] - expected(lane)).powi(2) / expected(lane)).sum();
-    assert!(chi2 < 65.0, "χ² = {chi2}");
+    let strengths: Vec<f64> = (0..samples.lanes()).map(|lane| samples.intensity(lane).element_sum().into()).collect();
+    assert_follows(&counts, &strengths);
 }

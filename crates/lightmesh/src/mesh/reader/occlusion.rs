@@ -8,7 +8,7 @@ use super::super::stencil::Stencil;
 use super::Reader;
 use crate::geometry::Ray;
 use crate::interaction::ShadingPoint;
-use crate::sampling::{hash, seed_of_place};
+use crate::sampling::{hash, seed_of_position, unit_f32};
 
 impl Reader<'_> {
     /// Those of the usable corners that the vertex sees, or one of them; some are `parted` from it.
@@ -49,7 +49,7 @@ impl Reader<'_> {
 
     /// Corners in random order until one is seen: among those that the vertex sees, each comes out in proportion to its weight.
     fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
-        let mut seed = seed_of_place(vertex.position);
+        let mut seed = seed_of_position(vertex.position);
         while corners != 0 {
             let k = choose(set_bits(corners).map(|k| (k, stencil.weight(k))), seed);
             if self.sees(vertex, k) {
@@ -71,7 +71,7 @@ impl Reader<'_> {
 
 /// One of the weighted things, of which there is at least one, in proportion to their weights.
 pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, seed: u32) -> T {
-    let u = (hash(seed) >> 8) as f32 * (1.0 / (1 << 24) as f32);
+    let u = unit_f32(hash(seed));
     let mut rest = u * weighted.clone().map(|(_, weight)| weight).sum::<f32>();
     let mut last = None;
     for (thing, weight) in weighted {
@@ -87,20 +87,16 @@ pub(crate) fn choose<T: Copy>(weighted: impl Iterator<Item = (T, f32)> + Clone, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::chi_square::assert_follows;
 
-    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; what weighs nothing never comes.
+    /// What weighs nothing never comes.
     #[test]
     fn choices_come_in_proportion_to_their_weights() {
         let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];
-        let (mut counts, n) = ([0_u32; 6], 20_000_u32);
-        for i in 0..n {
+        let mut counts = [0; 6];
+        for i in 0..20_000 {
             counts[choose(weights.iter().copied().enumerate(), i)] += 1;
         }
-        let mut chi2 = 0.0;
-        for (&count, &weight) in counts.iter().zip(&weights) {
-            let expected = f64::from(weight) / 11.0 * f64::from(n);
-            if weight == 0.0 { assert_eq!(count, 0) } else { chi2 += (f64::from(count) - expected).powi(2) / expected }
-        }
-        assert!(chi2 < 23.5, "χ² = {chi2}");
+        assert_follows(&counts, &weights.map(f64::from));
     }
 }
