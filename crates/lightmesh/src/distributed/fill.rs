@@ -38,7 +38,7 @@ pub fn requested_points(
 /// Fills points of the direct mesh, except those that it has already. Returns the rays that it took.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::InvalidBricks`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn fill_direct(
     scene: &Scene,
     options: &RenderOptions,
