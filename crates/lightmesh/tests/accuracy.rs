@@ -49,7 +49,7 @@ fn hybrid_is_nearly_exact() {
 #[test]
 fn both_halves_of_a_seed_choose_the_shadow_rays() {
     let scene = hall();
-    for base in [options(Method::Hybrid), RenderOptions { error: Some(0.05), ..options(Method::Mesh) }] {
+    for base in [options(Method::Hybrid), options(Method::with_error(0.05))] {
         let [zero, upper, both] = [0, 1 << 32, 0x1_0000_0001]
             .map(|seed| shoot(&scene, &room_camera(), &RenderOptions { seed, ..base.clone() }).image);
         assert!(zero != upper && zero != both && upper != both, "{:?}", base.method);
