@@ -39,17 +39,10 @@ pub struct Surroundings {
     pub threads: Option<u32>,
 }
 
-const EMITTER: About = About {
-    name: "",
-    old_name: None,
-    kind: Kind::Size,
-    value_name: "",
-    group: Group::Emitters,
-    help: "",
-    default_note: None,
-    methods: &[],
-    since: "0.1",
-};
+const EMITTER: About = About { group: Group::Emitters, ..About::PLAIN };
+
+/// The rows of the core's own table of emitters.
+const EMITTER_TABLE: &[Entry<EmitterOptions>; 2] = &EmitterOptions::TABLE;
 
 /// Every option of [`Surroundings`], in the order of `--help`.
 pub const SURROUNDINGS: [Entry<Surroundings>; 6] = [
@@ -92,26 +85,14 @@ pub const SURROUNDINGS: [Entry<Surroundings>; 6] = [
         set: |o, value| o.emitters.environment_rotation = value.real(),
     },
     Entry {
-        about: About {
-            name: "light-samples",
-            kind: Kind::Whole(1, 1 << 16),
-            value_name: "N",
-            help: "Light samples per emissive mesh, lamp with a radius and environment, 1 to 65536",
-            ..EMITTER
-        },
-        get: |o| Some(Value::Whole(o.emitters.options.light_samples.into())),
-        set: |o, value| o.emitters.options.light_samples = value.whole() as u32,
+        about: EMITTER_TABLE[0].about,
+        get: |o| (EMITTER_TABLE[0].get)(&o.emitters.options),
+        set: |o, value| (EMITTER_TABLE[0].set)(&mut o.emitters.options, value),
     },
     Entry {
-        about: About {
-            name: "light-radius",
-            kind: Kind::Real(Range::NotNegative),
-            value_name: "METRES",
-            help: "Make the file's punctual lights spheres of this radius, in metres, and equal power; 0: points",
-            ..EMITTER
-        },
-        get: |o| Some(Value::single(o.emitters.options.light_radius)),
-        set: |o, value| o.emitters.options.light_radius = value.real(),
+        about: EMITTER_TABLE[1].about,
+        get: |o| (EMITTER_TABLE[1].get)(&o.emitters.options),
+        set: |o, value| (EMITTER_TABLE[1].set)(&mut o.emitters.options, value),
     },
     Entry {
         about: About {

@@ -63,6 +63,19 @@ pub struct About {
 }
 
 impl About {
+    /// What an option is if nothing else is said: one of all methods, since the first version.
+    pub const PLAIN: Self = Self {
+        name: "",
+        old_name: None,
+        kind: Kind::Size,
+        value_name: "",
+        group: Group::Light,
+        help: "",
+        default_note: None,
+        methods: &[],
+        since: "0.1",
+    };
+
     /// Returns its key in the settings of files.
     pub fn key(&self) -> &'static str {
         self.old_name.unwrap_or(self.name)
@@ -114,19 +127,6 @@ impl<T> Entry<T> {
 /// The methods with a mesh.
 const MESHES: &[&str] = &["mesh", "paper", "hybrid", "unbiased"];
 
-/// What an option is if nothing else is said: one of all methods, since the first version.
-const PLAIN: About = About {
-    name: "",
-    old_name: None,
-    kind: Kind::Size,
-    value_name: "",
-    group: Group::Light,
-    help: "",
-    default_note: None,
-    methods: &[],
-    since: "0.1",
-};
-
 /// The syntax of a type that reads and spells itself.
 const fn syntax(normal: fn(&str) -> Option<String>, expected: &'static str, numbers: bool) -> Kind {
     Kind::Syntax { normal, expected, numbers }
@@ -159,7 +159,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Output,
             help: "Width and height in pixels",
             default_note: Some("1280 wide, height from the camera's aspect"),
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Text(format!("{}x{}", o.picture.width, o.picture.height))),
         set: |o, value| {
@@ -175,7 +175,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             value_name: "LIST",
             group: Group::Output,
             help: "Layers that .exr files get beside the light (docs/aov.md), separated by commas",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| {
             let names: Vec<&str> = o.picture.aovs.iter().map(Aov::name).collect();
@@ -189,7 +189,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: Kind::Word { words: &method::NAMES, aliases: &method::ALIASES },
             value_name: "METHOD",
             help: "How light is computed",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.method)),
         set: |o, value| {
@@ -207,7 +207,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
                    mesh: it then reads the mesh light by light and shoots as many shadow rays as that takes, all of them where \
                    lights are few",
             methods: &["mesh"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| o.method.error().map(Value::single),
         set: |o, value| {
@@ -223,7 +223,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             value_name: "N",
             help: "Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre",
             default_note: Some("4; with --time-limit, which makes it the most, 65536"),
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.picture.spp.into())),
         set: |o, value| o.picture.spp = value.whole() as u32,
@@ -235,7 +235,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             value_name: "SECONDS",
             help: "Take samples until the render, from the built scene on, has taken this long; every pixel gets one, however \
                    long that takes. How many there are in time is never quite the same, and nor is the picture",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| o.picture.time_limit.map(|limit| Value::text(limit.as_secs_f64())),
         set: |o, value| o.picture.time_limit = PictureOptions::parse_seconds(value.as_text()),
@@ -247,7 +247,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             value_name: "N",
             help: "Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard computes none",
             methods: &["mesh", "paper", "hybrid", "unbiased", "path"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.transport.bounces.into())),
         set: |o, value| o.transport.bounces = value.whole() as u32,
@@ -258,7 +258,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: Kind::Whole(0, u32::MAX as u64),
             value_name: "N",
             help: "Mirror and refraction events that a ray may meet in a row",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.transport.depth.into())),
         set: |o, value| o.transport.depth = value.whole() as u32,
@@ -269,7 +269,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: Kind::Real(Range::Fraction),
             value_name: "FRACTION",
             help: "Drop mirrored and refracted rays that carry less than this fraction of the light, 0 to below 1",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::single(o.transport.cutoff)),
         set: |o, value| o.transport.cutoff = value.real(),
@@ -280,7 +280,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: FALLOFF,
             value_name: "r2|C+r",
             help: "Attenuation of light with distance: r2 (physical) or C+r, C in metres (the paper's phi 3)",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.transport.falloff)),
         set: |o, value| o.transport.falloff = parsed(value),
@@ -293,7 +293,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             help: "Error of the sum over more than 512 lights or light samples, as a part of all light that arrives at a \
                    place, 0 to below 1; 0: every light by itself, as --method standard and path always do",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::single(o.transport.light_error)),
         set: |o, value| o.transport.light_error = value.real(),
@@ -304,7 +304,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: Kind::Whole(0, u64::MAX),
             value_name: "N",
             help: "Seed of all randomness",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.seed)),
         set: |o, value| o.seed = value.whole(),
@@ -317,7 +317,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto (1/64)",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.mesh.spacing)),
         set: |o, value| o.mesh.spacing = parsed(value),
@@ -330,7 +330,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Distance between points of the indirect mesh; auto is 1/30, with --error 1/45",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.mesh.indirect_spacing)),
         set: |o, value| o.mesh.indirect_spacing = parsed(value),
@@ -343,7 +343,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Rays that gather light at a point of the indirect mesh, 1 to 65536",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.mesh.gather_rays.into())),
         set: |o, value| o.mesh.gather_rays = value.whole() as u32,
@@ -357,7 +357,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             help: "How often the meshes may halve their spacing where their light is not good enough, 0 to 4",
             default_note: Some("0, with --error 2"),
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| o.mesh.refine.map(|times| Value::Whole(times.into())),
         set: |o, value| o.mesh.refine = Some(value.whole() as u32),
@@ -372,7 +372,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             help: "Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, nearer \
                    than half of it a quarter, nearer than a quarter of it an eighth",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| o.mesh.lod_distance.map(Value::single),
         set: |o, value| o.mesh.lod_distance = Some(value.real()),
@@ -385,7 +385,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Shadow rays, and gather rays if there are bounces, at each hit with --method unbiased, 1 to 65536",
             methods: &["unbiased"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| match (o.method, Method::UNBIASED) {
             (Method::Unbiased { rays }, _) | (_, Method::Unbiased { rays }) => Some(Value::Whole(rays.into())),
@@ -408,7 +408,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
                    surface count as zero or one (no or all light), or as the nearest or the mirror corner does; with --method \
                    mesh and paper",
             methods: MESHES,
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.mesh.interpolation)),
         set: |o, value| o.mesh.interpolation = parsed(value),
@@ -421,7 +421,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "How much each point of the sphere counts (phi 4 and phi 5), with --interpolation sphere",
             methods: &["mesh", "paper"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::text(o.mesh.weight.name())),
         set: |o, value| o.mesh.weight = PointWeight::named(value.as_text()).unwrap_or_default(),
@@ -434,7 +434,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Attenuation inside the direct field of --method paper (phi 1)",
             methods: &["paper"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| match (o.method, Method::PAPER) {
             (Method::Paper { field_falloff, .. }, _) | (_, Method::Paper { field_falloff, .. }) => {
@@ -456,7 +456,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             group: Group::Mesh,
             help: "Scale of the mean in --method paper",
             methods: &["paper"],
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| match (o.method, Method::PAPER) {
             (Method::Paper { scale, .. }, _) | (_, Method::Paper { scale, .. }) => Some(Value::text(scale.name())),
@@ -475,7 +475,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             value_name: "SIZE",
             group: Group::Machine,
             help: "Most memory that the render may take, in B, KB, MB, GB, KiB, MiB or GiB; more is an error before allocation",
-            ..PLAIN
+            ..About::PLAIN
         },
         get: |o| Some(Value::Text(limits::spell_bytes(o.limits.max_memory))),
         set: |o, value| o.limits.max_memory = limits::parse_bytes(value.as_text()).unwrap_or(o.limits.max_memory),
