@@ -68,7 +68,7 @@ fn what_came_before_does_not_matter() {
         render(&scene, &room_camera(), &with(4.0), &mut mesh, &()).expect("frame");
         let second = render(&scene, &room_camera(), &with(2.5), &mut mesh, &()).expect("frame");
         assert_eq!(first.image, second.image, "{method:?}");
-        assert!(!mesh.serves(&RenderOptions { graded: None, ..with(2.5) }));
+        assert!(!mesh.is_compatible(&RenderOptions { graded: None, ..with(2.5) }));
     }
 }
 

@@ -56,12 +56,12 @@ fn a_mesh_refuses_options_that_it_was_not_made_for() {
     // Gather rays that follow mirrors less far bring other light.
     let deep = RenderOptions { bounces: 1, ..options(Method::Mesh) };
     let mut mesh = LightMesh::new(&scene, &deep).expect("mesh");
-    assert!(mesh.serves(&deep));
-    assert!(!mesh.serves(&RenderOptions { depth: 2, ..deep.clone() }));
+    assert!(mesh.is_compatible(&deep));
+    assert!(!mesh.is_compatible(&RenderOptions { depth: 2, ..deep.clone() }));
     // Where the error is bounded, the indirect mesh is finer by default.
     let bounded = RenderOptions { error: Some(0.05), ..deep.clone() };
     mesh = LightMesh::new(&scene, &bounded).expect("mesh");
-    assert!(mesh.serves(&bounded) && !mesh.serves(&RenderOptions { method: Method::Hybrid, ..deep }));
+    assert!(mesh.is_compatible(&bounded) && !mesh.is_compatible(&RenderOptions { method: Method::Hybrid, ..deep }));
 }
 
 struct Stop;

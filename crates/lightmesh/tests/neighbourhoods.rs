@@ -100,8 +100,8 @@ fn rules_go_with_bounces_and_a_second_frame_only_reads() {
     assert_eq!(first.image, second.image);
     assert_eq!(second.stats.rays.shadow, 0);
     let plain = RenderOptions { interpolation: Interpolation::Trilinear, ..options.clone() };
-    assert!(!mesh.serves(&plain) && mesh.serves(&options));
-    assert!(!mesh.serves(&RenderOptions { ..with_rule(Method::Mesh, MissingCorners::Nearest) }));
+    assert!(!mesh.is_compatible(&plain) && mesh.is_compatible(&options));
+    assert!(!mesh.is_compatible(&RenderOptions { ..with_rule(Method::Mesh, MissingCorners::Nearest) }));
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn weights_change_the_picture_a_little() {
             assert!(images[..i].iter().all(|other| other != image), "{:?}", WEIGHTS[i]);
         }
         let mesh = LightMesh::new(&scene, &with(PointWeight::Cosine)).expect("mesh");
-        assert!(mesh.serves(&with(PointWeight::Cosine)) && !mesh.serves(&with(PointWeight::Gaussian)));
+        assert!(mesh.is_compatible(&with(PointWeight::Cosine)) && !mesh.is_compatible(&with(PointWeight::Gaussian)));
     }
 }
 

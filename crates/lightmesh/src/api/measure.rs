@@ -84,7 +84,7 @@ pub fn measure(
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            mesh.check_serves(options)?;
+            mesh.check_compatible(options)?;
             measure_waves(scene, meters, options, Lighting::from_mesh(mesh), progress)?
         }
     };

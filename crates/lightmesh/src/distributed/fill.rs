@@ -27,7 +27,7 @@ pub fn requested_points(
         return Ok(PointRequests::default());
     }
     request.prepared.check(mesh)?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     let plan = request.prepared.plan;
     let mut film = request.film(scene, camera, options)?;
     let mut clock = RenderClock::new(progress, None, Instant::now(), None);
@@ -47,7 +47,7 @@ pub fn fill_direct(
     progress: &dyn Progress,
 ) -> Result<RayCounts, Error> {
     options.validate()?;
-    mesh.check_serves(options)?;
+    mesh.check_compatible(options)?;
     if !options.method.has_mesh() {
         return Ok(RayCounts::default());
     }

@@ -78,7 +78,7 @@ impl GatherBatch {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         options.validate()?;
-        mesh.check_serves(options)?;
+        mesh.check_compatible(options)?;
         let Some(field) = &mesh.indirect else {
             let what = "there is no indirect mesh without bounces".into();
             return Err(Error::InvalidOption { option: "bounces", what });
@@ -157,7 +157,7 @@ impl GatherBatch {
         mesh: &mut LightMesh,
         progress: &dyn Progress,
     ) -> Result<(), Error> {
-        mesh.check_serves(options)?;
+        mesh.check_compatible(options)?;
         let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
         let mut stats = RenderStats::default();
         let mut marks = mesh.direct.marks();
@@ -257,9 +257,9 @@ impl GatherBatch {
         points.addresses.truncate(own.len());
         points.clearances.truncate(own.len());
         points.invalid.truncate(self.own_invalid);
-        let indirect = IndirectSnapshot { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
+        let indirect = IndirectSnapshot { hit_irradiance, hit_count, ..self.field.snapshot(points, &own) };
         let nothing = mesh.direct.points.snapshot_since(mesh.direct.points.cursor());
-        let direct = mesh.direct.contents(nothing, std::iter::empty());
+        let direct = mesh.direct.snapshot(nothing, std::iter::empty());
         Ok(Snapshot { direct, indirect: Some(indirect) })
     }
 }

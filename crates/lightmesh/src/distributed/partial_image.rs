@@ -86,7 +86,9 @@ impl WaveRequest<'_> {
         check(options)?;
         let mut film = new_film(scene, camera, options);
         match self.samples {
-            PictureSamples::All if scene.has_lamps() && options.method != Method::Path => film.watch_lamps(),
+            PictureSamples::All if scene.has_visible_emitters() && options.method != Method::Path => {
+                film.watch_emitters()
+            }
             PictureSamples::All => {}
             PictureSamples::EmitterEdges(edges) => turn_to(&mut film, edges)?,
         }
@@ -193,10 +195,10 @@ pub fn find_emitter_edges(
         check_length("seen", part.emitter_seen.len(), pixels.len())?;
         pixels.iter().zip(&part.emitter_seen).for_each(|(&pixel, &seen)| emitter_seen[pixel as usize] = seen);
     }
-    film.put_seen(&emitter_seen);
+    film.set_seen(&emitter_seen);
 
     // Count the waves of the pixels on edges.
-    let any = film.turn_to_outlines(u64::MAX);
+    let any = film.begin_emitter_edges(u64::MAX);
     Ok(any.then(|| EmitterEdges { emitter_seen, waves: film.wave_count() }))
 }
 
@@ -230,7 +232,7 @@ fn merge_pass(film: &mut Film, parts: &[PartialImage], stats: &mut RenderStats) 
     for part in in_order(film, parts)? {
         let pixels = film.wave_pixels(part.waves.clone());
         check_length("values", part.values.len(), pixels.len() * film.channels())?;
-        film.put_pixels(&pixels, &part.values);
+        film.set_pixels(&pixels, &part.values);
         stats.add(&part.stats);
     }
     film.end_pass();
@@ -261,8 +263,8 @@ fn check_length(what: &str, length: usize, expected: usize) -> Result<(), Error>
 /// Turns to the pixels on emitter edges.
 fn turn_to(film: &mut Film, edges: &EmitterEdges) -> Result<(), Error> {
     check_length("seen", edges.emitter_seen.len(), film.pixel_count() as usize)?;
-    film.put_seen(&edges.emitter_seen);
-    if film.turn_to_outlines(u64::MAX) {
+    film.set_seen(&edges.emitter_seen);
+    if film.begin_emitter_edges(u64::MAX) {
         return Ok(());
     }
     Err(Error::InvalidOption { option: "outlines", what: "no pixel of this picture is on one".into() })
@@ -289,7 +291,7 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
         Method::Path => Ok(None),
         Method::Standard => Ok(Some(Lighting::Exact)),
         Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
-            mesh.check_serves(options)?;
+            mesh.check_compatible(options)?;
             Ok(Some(Lighting::from_mesh(mesh)))
         }
     }

@@ -28,12 +28,12 @@ impl Film {
         }
     }
 
-    /// Values that a pixel has: three of light and those of the layers.
+    /// How many values a pixel has: three of light and those of the layers.
     pub(crate) fn channels(&self) -> usize {
         3 + self.layers.channels()
     }
 
-    /// The sums of some pixels, [`Film::channels`] of each.
+    /// Returns the sums of some pixels, [`Film::channels`] of each.
     pub(crate) fn copy_pixels(&self, pixels: &[u32]) -> Vec<f32> {
         let mut values = Vec::with_capacity(pixels.len() * self.channels());
         for &pixel in pixels {
@@ -43,15 +43,15 @@ impl Film {
         values
     }
 
-    /// Takes sums of some pixels as [`Film::copy_pixels`] gave them.
-    pub(crate) fn put_pixels(&mut self, pixels: &[u32], values: &[f32]) {
+    /// Sets the sums of some pixels to those that [`Film::copy_pixels`] gave.
+    pub(crate) fn set_pixels(&mut self, pixels: &[u32], values: &[f32]) {
         for (&pixel, values) in pixels.iter().zip(values.chunks_exact(self.channels())) {
             self.sums[pixel as usize] = glam::Vec3::from_slice(values);
             self.layers.copy_from(pixel, &values[3..]);
         }
     }
 
-    /// Counts the whole pass as done.
+    /// Marks the whole pass as done.
     pub(crate) fn end_pass(&mut self) {
         self.pass.end = None;
         self.pass.done = self.sample_count();
@@ -59,15 +59,11 @@ impl Film {
 
     /// Whether samples of some pixels met emitters; empty where the film does not collect that.
     pub(crate) fn copy_seen(&self, pixels: &[u32]) -> Vec<u8> {
-        if self.emitter_seen.is_empty() {
-            Vec::new()
-        } else {
-            pixels.iter().map(|&pixel| self.emitter_seen[pixel as usize]).collect()
-        }
+        if self.seen.is_empty() { Vec::new() } else { pixels.iter().map(|&pixel| self.seen[pixel as usize]).collect() }
     }
 
     /// Takes whether samples of all pixels met emitters, row by row; from that follow the pixels on edges of emitters.
-    pub(crate) fn put_seen(&mut self, seen: &[u8]) {
-        self.emitter_seen = seen.to_vec();
+    pub(crate) fn set_seen(&mut self, seen: &[u8]) {
+        self.seen = seen.to_vec();
     }
 }

@@ -1,4 +1,4 @@
-//! Fingerprints: whether a light mesh that comes from elsewhere belongs to this scene and these settings.
+//! Fingerprints: they tell whether a stored light mesh belongs to a scene and its settings.
 
 mod digest;
 mod scene;
@@ -10,34 +10,36 @@ use digest::Digest;
 
 use crate::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Scene, Spacing};
 
-/// Counts up where the value of a mesh point becomes another: what an older version has evaluated then is not taken for this one's.
+/// Increased whenever mesh points get other values, so that meshes of older versions are not mistaken for this one's.
 const VALUES_VERSION: u64 = 1;
 
-/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are no protection
-/// against who means to deceive.
+/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are not
+/// cryptographic.
 ///
 /// Written as 32 hexadecimal digits; [`FromStr`] reads them back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fingerprint(pub u128);
 
 impl Fingerprint {
-    /// Of everything in a scene that light depends on: surfaces and their places, materials, textures, lights, the environment, and how
-    /// emitters become light samples; not of cameras and names. Of a user-defined shape it is the box and what `Debug` writes. It takes
-    /// about a second per two gigabytes of vertices and texels.
+    /// Returns the fingerprint of everything in a scene that light depends on: surfaces and their transforms,
+    /// materials, textures, lights, the environment, and how emitters become light samples; not of cameras and names.
+    /// Of a user-defined shape it has the box and the `Debug` text. It takes about a second for two gigabytes of
+    /// vertices and texels.
     pub fn of_scene(scene: &Scene) -> Self {
         scene::fingerprint(scene)
     }
 
-    /// Of a text that describes something else.
+    /// Returns the fingerprint of a text that describes something else.
     pub fn of_text(text: &str) -> Self {
         let mut digest = Digest::new("text");
         digest.text(text);
         digest.finish()
     }
 
-    /// Of the settings that values of mesh points depend on: method (`hybrid` and `unbiased` have the same points), falloff,
-    /// neighbourhood and weights, spacings, number of levels, light error, gather rays, depth and seed, and whether the error is bounded.
-    /// Not of the number of bounces, which [`Snapshot`](crate::Snapshot) tell.
+    /// Returns the fingerprint of the settings that values of mesh points depend on: method (`hybrid` and `unbiased`
+    /// have the same points), falloff, neighbourhood and weights, spacings, number of levels, light error, gather rays,
+    /// depth and seed, and whether the error is bounded. Not of the number of bounces, which
+    /// [`Snapshot`](crate::Snapshot) tell.
     pub fn of_settings(options: &RenderOptions) -> Self {
         let mut digest = Digest::new("lightmesh settings");
         let paper = options.method == Method::Paper;
@@ -48,16 +50,16 @@ impl Fingerprint {
             (false, false) => 0,
         });
         digest.number(u64::from(options.error.is_some()));
-        falloff(&mut digest, options.falloff);
+        add_falloff(&mut digest, options.falloff);
         if paper {
-            falloff(&mut digest, options.field_falloff);
+            add_falloff(&mut digest, options.field_falloff);
             digest.number(match options.paper_scale {
                 PaperScale::Visibility => 0,
                 PaperScale::Constant => 1,
             });
         }
-        spacing(&mut digest, options.spacing);
-        spacing(&mut digest, options.indirect_spacing);
+        add_spacing(&mut digest, options.spacing);
+        add_spacing(&mut digest, options.indirect_spacing);
         let interpolation = match options.interpolation {
             Interpolation::Auto if paper => Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS },
             Interpolation::Auto => Interpolation::Trilinear,
@@ -95,7 +97,7 @@ impl Fingerprint {
     }
 }
 
-fn falloff(digest: &mut Digest, falloff: Falloff) {
+fn add_falloff(digest: &mut Digest, falloff: Falloff) {
     match falloff {
         Falloff::InverseSquare => digest.number(0),
         Falloff::ConstantPlusDistance { constant } => {
@@ -105,7 +107,7 @@ fn falloff(digest: &mut Digest, falloff: Falloff) {
     }
 }
 
-pub(crate) fn spacing(digest: &mut Digest, spacing: Spacing) {
+pub(crate) fn add_spacing(digest: &mut Digest, spacing: Spacing) {
     let (kind, x) = match spacing {
         Spacing::Auto => (0, 0.0),
         Spacing::Fraction(k) => (1, k),

@@ -82,7 +82,7 @@ impl IndirectField {
             Ok(pending) => self.add_bounces(direct.scene, pending),
             Err(error) => {
                 // Points without values must not stay.
-                self.points.forget(first);
+                self.points.truncate(first);
                 self.gather_hit_irradiance = hit_irradiance;
                 return Err(error);
             }
@@ -125,8 +125,8 @@ impl IndirectField {
     /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on
     /// are being filled. Returns how many rays that took.
     pub(crate) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
-        let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        let marked = self.points.take(marks, costs, self.max_memory)?;
+        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
+        let marked = self.points.take_marked(marks, costs, self.max_memory)?;
         let points = &self.points;
         let (probed, rays): (Vec<_>, _) = match self.faces {
             CubeFaces::Six => {
@@ -139,7 +139,7 @@ impl IndirectField {
             // The paper's mesh knows no geometry: every point counts.
             CubeFaces::One => (marked.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
         };
-        probed.into_iter().for_each(|point| self.points.insert(point));
+        probed.into_iter().for_each(|(address, clearance)| self.points.insert(address, clearance));
         Ok(rays)
     }
 
@@ -188,7 +188,7 @@ impl IndirectField {
         // Light the hits from the direct mesh.
         if self.reflects_light() {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
         // Sum what arrives at each point.
@@ -236,7 +236,7 @@ impl IndirectField {
         pending: &mut PendingLight,
     ) -> Result<u64, Error> {
         // Direct light that is reflected once needs no points, only emission that gather rays find does.
-        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.has_gathered_emitters()) {
+        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.has_unsampled_emitters()) {
             pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
@@ -293,7 +293,7 @@ impl IndirectField {
         if k == 0 {
             return pending.emission.clone();
         }
-        if k == 1 && !scene.has_gathered_emitters() {
+        if k == 1 && !scene.has_unsampled_emitters() {
             return pending.first.clone();
         }
         let (faces, below) = (self.faces.count(), &self.bounce_values[k - 1]);

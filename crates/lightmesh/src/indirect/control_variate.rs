@@ -60,7 +60,7 @@ impl IndirectField {
         paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
         let mut irradiance = Vec::with_capacity(points.len());
-        if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_gathered_emitters()) {
+        if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_unsampled_emitters()) {
             irradiance.resize(points.len(), Vec3::ZERO);
             return Ok(irradiance);
         }
@@ -82,7 +82,7 @@ impl IndirectField {
 
             // Estimate direct and indirect light where they end.
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             let indirect = self.correct(direct, marks, batch, paths)?;
 

@@ -12,9 +12,7 @@
 use glam::{Vec3, Vec4};
 
 use crate::interaction::ShadingPoint;
-use crate::mesh::{
-    AmbientCube, CornerValues, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult, Reader, set_bits,
-};
+use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult};
 use crate::{MeshStats, Method, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
@@ -68,9 +66,9 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator, options: &RenderOptions) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator, options: &RenderOptions) -> Self {
         Self {
-            points: Points::new(lattices, neighbourhood),
+            points: Points::new(lattices, interpolator),
             faces: CubeFaces::of(options),
             gather_rays: options.gather_rays,
             depth: options.depth,
@@ -81,9 +79,9 @@ impl IndirectField {
         }
     }
 
-    pub(crate) fn serves(&self, options: &RenderOptions, neighbourhood: Interpolator) -> bool {
+    pub(crate) fn is_compatible(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
         self.faces == CubeFaces::of(options)
-            && self.points.neighbourhood == neighbourhood
+            && self.points.interpolator == interpolator
             && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
             && (options.bounces as usize) < self.bounce_values.len()
     }
@@ -121,9 +119,7 @@ impl IndirectField {
         IndirectReader {
             field: self,
             values: &self.bounce_values[bounces as usize],
-            reader: self.points.reader(scene, sight),
-            known: CornerValues::default(),
-            corners: [Vec4::ZERO; 8],
+            cached: CachedReader::new(self.points.reader(scene, sight)),
         }
     }
 
@@ -158,78 +154,30 @@ impl IndirectField {
 pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
     values: &'a [Vec4],
-    reader: Reader<'a>,
-    known: CornerValues,
-    /// Their irradiance; 0 where it is not known.
-    corners: [Vec4; 8],
+    cached: CachedReader<'a, Vec4>,
 }
 
 impl IndirectReader<'_> {
-    /// Ĩ_d(y), formula (6); points that are still empty are marked.
+    /// Returns Ĩ_d(y), formula (6); points that are still empty are marked.
     #[inline(always)]
     pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
-        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
-        if !self.reader.reads_cells() {
-            return self.read_points(vertex, marks);
-        }
-        let seen = match self.reader.corners(vertex, marks) {
-            Ok(seen) => seen,
-            Err(ReadResult::Pending) => return IndirectReading::Pending,
-            Err(_) => return IndirectReading::Unavailable,
-        };
-        if seen.refined > 0.0 {
-            return self.read_points(vertex, marks);
-        }
-        if !self.known.continues(vertex.n, self.reader.visits()) {
-            // A curved surface: the next vertex has another normal.
-            let axes = AmbientCube::facing(vertex.n);
-            for k in set_bits(seen.mask) {
-                let weight = seen.weights[k / 4][k % 4];
-                sum += self.field.irradiance(self.values, self.reader.index(k), &axes) * weight;
-                total += weight;
-            }
-            return IndirectReading::Irradiance(sum.truncate() / total);
-        }
-        self.know(seen.mask, vertex.n);
-        // All eight: a corner that is not seen has no weight.
-        for (z, weights) in seen.weights.iter().enumerate() {
-            for (corner, weight) in self.corners[4 * z..].iter().zip(weights.to_array()) {
-                sum += corner * weight;
-                total += weight;
-            }
-        }
-        IndirectReading::Irradiance(sum.truncate() / total)
-    }
-
-    /// The same, point by point.
-    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
-        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
-        let axes = AmbientCube::facing(vertex.n);
-        let outcome = self.reader.read(vertex, marks, |index, weight| {
-            sum += self.field.irradiance(self.values, index, &axes) * weight;
-            total += weight;
-        });
-        match outcome {
-            ReadResult::Value => IndirectReading::Irradiance(sum.truncate() / total),
-            ReadResult::Unavailable => IndirectReading::Unavailable,
-            ReadResult::Pending => IndirectReading::Pending,
+        let Self { field, values, cached } = self;
+        let sum = cached.fold(
+            vertex,
+            marks,
+            (Vec4::ZERO, 0.0),
+            |index| field.irradiance(values, index, &AmbientCube::facing(vertex.n)),
+            |(sum, total), irradiance, weight| (sum + irradiance * weight, total + weight),
+        );
+        match sum {
+            Ok((sum, total)) => IndirectReading::Irradiance(sum.truncate() / total),
+            Err(ReadResult::Pending) => IndirectReading::Pending,
+            Err(_) => IndirectReading::Unavailable,
         }
     }
 
-    /// Sums up the corners of `mask` for the normal, those that are not known yet.
-    #[inline(always)]
-    fn know(&mut self, mask: u8, n: Vec3) {
-        if self.known.is_empty() {
-            self.corners = [Vec4::ZERO; 8];
-        }
-        let axes = AmbientCube::facing(n);
-        for k in self.known.add(mask) {
-            self.corners[k] = self.field.irradiance(self.values, self.reader.index(k), &axes);
-        }
-    }
-
-    /// Rays shot so far to find out which points vertices see.
+    /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
-        self.reader.visibility_rays()
+        self.cached.reader.visibility_rays()
     }
 }

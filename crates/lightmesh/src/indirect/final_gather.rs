@@ -47,7 +47,7 @@ impl IndirectField {
 
             // Light the surfaces where they end, and sum what arrives.
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
             irradiance.extend(self.sum_arriving(direct, marks, batch, bounces)?);
             for gather in batch {

@@ -71,7 +71,7 @@ impl RayBlock {
     /// Adds emission and reflected light to the film.
     pub(super) fn add_to(&self, film: &mut Film) {
         for &(pixel, emitter) in &self.emitter_seen {
-            film.saw(pixel, emitter);
+            film.mark_seen(pixel, emitter);
         }
         for &(pixel, radiance) in &self.emitted {
             film.add(pixel, radiance);
@@ -117,7 +117,7 @@ impl RayBlock {
         self.next.clear();
         self.emitter_seen.clear();
         self.first_hits.clear();
-        let (watched, layered) = (scene.has_lamps(), !options.aovs.is_empty());
+        let (watched, layered) = (scene.has_visible_emitters(), !options.aovs.is_empty());
         for (from, hit) in self.input.iter().zip(&self.hits) {
             let first = watched && from.path.is_first();
 
@@ -138,7 +138,7 @@ impl RayBlock {
             let beta = from.beta * surface.opacity;
             if first {
                 self.emitter_seen
-                    .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_gathered(hit.target)));
+                    .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_unsampled(hit.target)));
             }
             if surface.emission != Vec3::ZERO {
                 self.emitted.push((from.pixel, beta * surface.emission));

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
-use crate::light::sample_ball;
+use crate::light::sample_unit_ball;
 use crate::sampling::{Sampler, pdf_cosine_hemisphere};
 use crate::scene::Light;
 use crate::world::Scene;
@@ -36,7 +36,7 @@ impl EmitterSampler {
     /// Whether a ray that leaves a diffuse surface may meet emission that counts.
     pub(super) fn can_be_hit(&self, scene: &Scene) -> bool {
         let emitters = scene.emitters();
-        !emitters.area.is_dark() || emitters.environment.is_some() || scene.has_gathered_emitters()
+        !emitters.area.is_dark() || emitters.environment.is_some() || scene.has_unsampled_emitters()
     }
 
     /// Returns the shadow rays since the last call.
@@ -71,10 +71,7 @@ impl EmitterSampler {
             return Vec3::ZERO;
         }
         let weight = self.weight(v, emitter.pdf * r2 / cos_light, cos);
-        let attenuation = match falloff {
-            Falloff::InverseSquare => 1.0 / r2,
-            Falloff::ConstantPlusDistance { constant } => 1.0 / (constant + r2.sqrt()),
-        };
+        let attenuation = falloff.attenuation(r2, r2.sqrt());
         emitter.emission * v * (cos * cos_light * attenuation / emitter.pdf * weight)
     }
 
@@ -105,7 +102,7 @@ impl EmitterSampler {
         let mut sum = Vec3::ZERO;
         for light in &scene.data().lights {
             let u = Vec3::new(sampler.next(), sampler.next(), sampler.next());
-            let light = light.moved(sample_ball(u) * radius);
+            let light = light.moved(sample_unit_ball(u) * radius);
             let (towards, illuminance) = light.arriving(falloff, point.position);
             let cos = point.n.dot(towards.normalize_or_zero());
             if cos <= 0.0 || illuminance == Vec3::ZERO {

@@ -101,7 +101,7 @@ fn shade_from_mesh(
 
     // Direct light.
     let mut batches: Vec<&mut ShadingBatch> = blocks.iter_mut().map(|block| &mut block.batch).collect();
-    let seconds = direct.light(CornerVisibility::All, &mut batches)?;
+    let seconds = direct.shade(CornerVisibility::All, &mut batches)?;
     let sum = &mut direct.stats.seconds;
     sum.demand += seconds.demand;
     sum.fill_direct += seconds.fill;
@@ -109,7 +109,7 @@ fn shade_from_mesh(
 
     // Indirect light. A mesh for more bounces may serve none: what is left to read then is emission that gather rays
     // find.
-    let has_indirect = options.bounces > 0 || scene.has_gathered_emitters();
+    let has_indirect = options.bounces > 0 || scene.has_unsampled_emitters();
     if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, has_indirect) {
         add_indirect(field, marks, direct, blocks)?;
     }

@@ -42,7 +42,7 @@ pub(crate) fn measure_waves(
         // Part the meters that the mesh reaches from the others.
         let is_inside = |&i: &usize| match &lighting {
             Lighting::Exact => true,
-            Lighting::Mesh { mesh, .. } => mesh.reaches(scene, meters[i].position),
+            Lighting::Mesh { mesh, .. } => mesh.covers(scene, meters[i].position),
         };
         let (inside, outside): (Vec<usize>, Vec<usize>) = (first..first + wave.len()).partition(is_inside);
         for (indices, plan) in [(inside, plan), (outside, plan_outside)] {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
-use crate::direct::Scratch;
+use crate::direct::ExactShader;
 use crate::film::{Film, RenderClock, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{Lobe, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint};
@@ -153,7 +153,7 @@ impl Radiance {
 pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
-    scratch: Scratch,
+    scratch: ExactShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
     first_hits: FirstHits,
@@ -200,7 +200,7 @@ impl<'a> PathTracer<'a> {
         Self {
             scene,
             options,
-            scratch: Scratch::default(),
+            scratch: ExactShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
             first_hits: FirstHits::default(),
@@ -313,7 +313,7 @@ impl<'a> PathTracer<'a> {
     /// Adds the mean of [`SPLITS`] paths that leave a point on the first diffuse surface with this throughput.
     fn split(&mut self, point: &ShadingPoint, beta: Vec3, sampler: &Sampler, li: &mut Radiance) {
         for branch in 0..SPLITS {
-            let mut sampler = sampler.branch(branch, SPLITS);
+            let mut sampler = sampler.split(branch, SPLITS);
             let (ray, pdf) = sample_bounce(point, &mut sampler);
             self.rays.gather += 1;
             let (path, origin) = (PathRay::new(ray, Cone::POINT), RayOrigin::Bsdf { pdf });

@@ -56,16 +56,16 @@ impl<'a> WaveFrame<'a> {
         clock: &mut RenderClock<'_>,
         stats: &mut RenderStats,
     ) -> Result<(), Error> {
-        let (options, sees_emitters) = (self.options, self.scene.has_lamps());
+        let (options, sees_emitters) = (self.options, self.scene.has_visible_emitters());
         if sees_emitters {
-            film.watch_lamps();
+            film.watch_emitters();
         }
         take_samples(film, options, SumOrder::Waves, clock, |film, clock, reporter| {
             self.draw(film, plan, WaveSink::Film, clock, reporter, stats)
         })?;
         let complete = film.whole_passes() == options.spp;
-        if sees_emitters && complete && film.turn_to_outlines(clock.samples_left()) {
-            let reporter = Reporter::new(clock.progress, Stage::Outlines, film.sample_count());
+        if sees_emitters && complete && film.begin_emitter_edges(clock.samples_left()) {
+            let reporter = Reporter::new(clock.progress, Stage::EmitterEdges, film.sample_count());
             self.draw(film, plan, WaveSink::Film, clock, &reporter, stats)?;
         }
         Ok(())

@@ -107,7 +107,7 @@ fn triangle_interaction<'a>(
 ) -> SurfaceInteraction<'a> {
     let placed = &scene.data().instances[instance as usize];
     let mesh = &scene.data().meshes[placed.mesh];
-    let frame = scene.frame(instance);
+    let frame = scene.instance_frame(instance);
     let corners = mesh.triangles[triangle as usize].map(|i| i as usize);
     let b = [1.0 - hit.u - hit.v, hit.u, hit.v];
 

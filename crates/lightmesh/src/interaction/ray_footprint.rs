@@ -65,13 +65,13 @@ impl Section {
         let meet = |beside: Vec3| beside - along_d * beside.dot(n);
         let width = cone.width_at(distance);
         let (x, y) = d.any_orthonormal_pair();
-        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.aside * width) }
+        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.offset * width) }
     }
 
     /// The footprint in the coordinates with these gradients.
     fn footprint(&self, gradients: Gradients) -> Footprint {
         let along = |vector: Vec3| Vec2::new(vector.dot(gradients.u), vector.dot(gradients.v));
-        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.offset) }
+        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], offset: along(self.offset) }
     }
 }
 
@@ -108,7 +108,7 @@ mod tests {
         for d in [Vec3::new(0.5, -0.7, 0.3), Vec3::new(0.9, -0.5, -0.1), -n, n] {
             let d = d.normalize();
             for aside in [d.any_orthonormal_vector(), d.cross(d.any_orthonormal_vector()) * 0.3] {
-                let cone = Cone { width: 0.01, spread: 0.02, aside };
+                let cone = Cone { width: 0.01, spread: 0.02, offset: aside };
                 let section = Section::new(d, n, cone, 2.0);
                 // The point 0.05 · aside beside the ray, moved along d into the plane.
                 let beside = aside * 0.05;
@@ -138,12 +138,12 @@ mod tests {
         let found = section.footprint(barycentric_gradients(&triangle)).mapped(p.map(coordinates));
         let expected = Footprint {
             sides: [coordinates(section.diameters.0), coordinates(section.diameters.1)],
-            aside: coordinates(section.offset),
+            offset: coordinates(section.offset),
         };
         for (found, expected) in found.sides.into_iter().zip(expected.sides) {
             assert!((found - expected).length() < 1e-5, "{found} {expected}");
         }
-        assert!((found.aside - expected.aside).length() < 1e-5);
+        assert!((found.offset - expected.offset).length() < 1e-5);
         assert_eq!(barycentric_gradients(&placed([Vec3::ZERO, Vec3::X, Vec3::X * 2.0])), Gradients::default());
     }
 

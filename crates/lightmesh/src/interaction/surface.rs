@@ -172,7 +172,7 @@ pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 
 
 /// Whether the surface that was hit stops every shadow ray.
 pub(crate) fn is_opaque(scene: &Scene, hit: &Hit) -> bool {
-    scene.is_solid(material_of(scene, hit))
+    scene.is_opaque(material_of(scene, hit))
 }
 
 /// Index of the hit surface's material.
@@ -250,7 +250,7 @@ fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, interaction: &S
     let image = &scene.data().images[texture.image];
     let (uv, footprint) = (r.transform.apply(interaction.uvs[r.uv_set]), interaction.footprints[r.uv_set]);
     let footprint = footprint.transformed(&r.transform);
-    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), ColorEncoding::Srgb)
+    texture.sample_over(image, || scene.mipmap(texture.image), uv, footprint, ColorEncoding::Srgb)
 }
 
 /// A texture of numbers, at a point.

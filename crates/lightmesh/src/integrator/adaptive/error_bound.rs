@@ -100,7 +100,7 @@ pub(super) fn choose_plan(
             always_above: [(ALWAYS_ABOVE * libm::powf(part, 0.6) * bound as f32).min(MOST_ABOVE); 2],
             agreement: TrustAgreement::Unbiased,
         };
-        let plan = LightingPlan { primary: Shading::by_light(policy, options), ..plan };
+        let plan = LightingPlan { primary: Shading::per_light(policy, options), ..plan };
         let cost = truth.compare(pilot, plan)?;
         if cost.rays + reading >= truth.rays {
             break;
