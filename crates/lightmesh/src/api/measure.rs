@@ -73,10 +73,13 @@ pub fn measure(
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
     let started = Instant::now();
+    // Check options, memory and meters.
     options.validate()?;
     check_options(options)?;
     check_memory(meters.len() as u64, options.limits.max_memory)?;
     meters.iter().enumerate().try_for_each(|(index, meter)| meter.check(index))?;
+
+    // Measure by the method.
     let (MeterIrradiance { direct, indirect }, mut stats) = match options.method {
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,

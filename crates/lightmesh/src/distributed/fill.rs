@@ -56,6 +56,7 @@ pub fn fill_direct(
     let mut rays = RayCounts::default();
     let mut marks = mesh.direct.marks();
     for some in bricks.chunks(BRICKS_AT_ONCE) {
+        // Mark the points of some bricks, and fill them.
         requests::mark(mesh.direct.points(), some, &marks)?;
         let traced = mesh.direct.fill(scene, &mut marks)?;
         rays += traced;

@@ -127,6 +127,7 @@ impl GatherBatch {
 
     /// Returns the points of both meshes that the hits read.
     pub fn requests(&self, scene: &Scene, mesh: &LightMesh) -> PointRequests {
+        // Points of the direct mesh that serve the hits.
         let mut direct = mesh.direct.marks();
         if self.field.reflects_light() {
             let points = mesh.direct.points();
@@ -135,6 +136,8 @@ impl GatherBatch {
             };
             self.gathers.par_iter().for_each(mark);
         }
+
+        // Points of the indirect mesh that joined after its own.
         let mut indirect = self.field.points().marks();
         for index in self.own..self.field.points().len() {
             self.field.points().mark(self.field.points().address(index), &indirect);
@@ -186,6 +189,8 @@ impl GatherBatch {
             }
             self.field.bounce_values[k] = self.field.bounce(scene, k, &self.pending);
         }
+
+        // Copy the values of its own points.
         let own = &self.field.bounce_values[k][..self.own * faces];
         let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
         let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
@@ -245,6 +250,8 @@ impl GatherBatch {
             let what = "the last reflection is still to come".into();
             return Err(Error::InvalidReflection { what });
         }
+
+        // Copy its own points, and leave out those that other batches fill.
         let (hit_irradiance, hit_count) = self.field.gather_hit_irradiance;
         let mut points = self.field.points.snapshot_since(PointCursor::default());
         points.addresses.truncate(own.len());

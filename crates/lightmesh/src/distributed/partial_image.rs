@@ -148,10 +148,13 @@ pub fn render_waves(
     request: WaveRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<PartialImage, Error> {
+    // Make a film whose pass are the waves.
     request.prepared.check(mesh)?;
     let mut film = request.film(scene, camera, options)?;
     let WaveRequest { prepared, waves, .. } = request;
     let pixels = film.wave_pixels(waves.clone());
+
+    // Draw them.
     let started = Instant::now();
     let method = match lighting(options, mesh)? {
         Some(lighting) => WaveMethod::Lit { lighting, plan: prepared.plan },
@@ -159,6 +162,8 @@ pub fn render_waves(
     };
     let mut clock = RenderClock::new(progress, None, started, None);
     let mut stats = draw_waves(scene, &mut film, options, method, &mut clock)?;
+
+    // Copy their pixels.
     stats.seconds.render = started.elapsed().as_secs_f64();
     stats.estimated_error = prepared.stats.estimated_error;
     Ok(PartialImage { waves, values: film.copy_pixels(&pixels), emitter_seen: film.copy_seen(&pixels), stats })
@@ -181,6 +186,8 @@ pub fn find_emitter_edges(
     if sorted.iter().all(|part| part.emitter_seen.is_empty()) {
         return Ok(None);
     }
+
+    // Put together what the samples of each pixel met.
     let mut emitter_seen = vec![0; film.pixel_count() as usize];
     for part in sorted {
         let pixels = film.wave_pixels(part.waves.clone());
@@ -188,6 +195,8 @@ pub fn find_emitter_edges(
         pixels.iter().zip(&part.emitter_seen).for_each(|(&pixel, &seen)| emitter_seen[pixel as usize] = seen);
     }
     film.set_seen(&emitter_seen);
+
+    // Count the waves of the pixels on edges.
     let any = film.begin_emitter_edges(u64::MAX);
     Ok(any.then(|| EmitterEdges { emitter_seen, waves: film.wave_count() }))
 }
