@@ -43,6 +43,7 @@ impl Fingerprint {
     pub fn of_settings(options: &RenderOptions) -> Self {
         let mut digest = Digest::new("lightmesh settings");
         let paper = options.method == Method::Paper;
+        // What direct values are, and how light attenuates in them.
         digest.number(VALUES_VERSION);
         digest.number(match (options.knows_lights(), paper) {
             (true, _) => 1,
@@ -58,6 +59,7 @@ impl Fingerprint {
                 PaperScale::Constant => 1,
             });
         }
+        // Where points are, and how they are combined.
         add_spacing(&mut digest, options.spacing);
         add_spacing(&mut digest, options.indirect_spacing);
         let interpolation = match options.interpolation {
@@ -88,6 +90,7 @@ impl Fingerprint {
             PointWeight::Inverse => 2,
             PointWeight::Cosine => 3,
         });
+        // How indirect values are gathered.
         digest.number(u64::from(options.finer_levels()));
         digest.floats([options.light_error]);
         digest.number(u64::from(options.gather_rays));
