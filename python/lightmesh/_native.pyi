@@ -19,7 +19,7 @@ __all__ = [
     "Scene",
     "__version__",
     "_compare",
-    "_option_defaults",
+    "_options",
     "_run_program",
     "join_bricks",
     "subtract_bricks",
@@ -29,9 +29,9 @@ __version__: str
 
 _Path: TypeAlias = str | PathLike[str]
 _Point: TypeAlias = tuple[float, float, float]
-_Size: TypeAlias = str | tuple[int, int]
+_Size: TypeAlias = str | Sequence[int]
 _Environment: TypeAlias = _Path | ArrayLike
-_Method: TypeAlias = Literal["mesh", "paper", "standard", "hybrid", "unbiased", "path"]
+_Method: TypeAlias = Literal["mesh", "paper", "standard", "exact", "hybrid", "unbiased", "path"]
 _Weight: TypeAlias = Literal["constant", "gaussian", "inverse", "cosine"]
 _PaperScale: TypeAlias = Literal["visibility", "constant"]
 _Progress: TypeAlias = bool | Callable[[str, int, int, int], object]
@@ -39,6 +39,14 @@ _Floats: TypeAlias = NDArray[numpy.float32]
 _Report: TypeAlias = Callable[[str, int, int, int], object]
 _Bricks: TypeAlias = NDArray[numpy.uint64]
 _Outlines: TypeAlias = tuple[NDArray[numpy.uint8], int]
+
+class _Option(TypedDict):
+    name: str
+    default: str | None
+    type: str
+    help: str
+    methods: list[str]
+    old_name: str | None
 
 class _Portion(TypedDict):
     first: int
@@ -212,7 +220,7 @@ class Scene:
         indirect_spacing: float | str = "auto",
         gather_rays: int = 256,
         refine: int | None = None,
-        graded: float | None = None,
+        lod_distance: float | None = None,
         rays: int = 4,
         interpolation: str = "auto",
         weight: _Weight = "constant",
@@ -281,7 +289,7 @@ class LightMesh:
         indirect_spacing: float | str = "auto",
         gather_rays: int = 256,
         refine: int | None = None,
-        graded: float | None = None,
+        lod_distance: float | None = None,
         rays: int = 4,
         interpolation: str = "auto",
         weight: _Weight = "constant",
@@ -316,7 +324,7 @@ class LightMesh:
         indirect_spacing: float | str | None = None,
         gather_rays: int | None = None,
         refine: int | None = None,
-        graded: float | None = None,
+        lod_distance: float | None = None,
         rays: int | None = None,
         interpolation: str | None = None,
         weight: _Weight | None = None,
@@ -455,5 +463,5 @@ def subtract_bricks(bricks: _Bricks, others: _Bricks) -> _Bricks: ...
 def _compare(
     a: Image | ArrayLike, b: Image | ArrayLike, *, linear: bool = False
 ) -> tuple[float, float, float, float | None]: ...
-def _option_defaults() -> dict[str, str | None]: ...
+def _options() -> list[_Option]: ...
 def _run_program(arguments: Sequence[str]) -> int: ...

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from lightmesh._native import Camera, Image, LightMesh, Scene, _option_defaults
+from lightmesh._native import Camera, Image, LightMesh, Scene, _options
 from lightmesh.cluster import bake, render_frames
 from lightmesh.cluster.partition import TASKS_PER_WORKER
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
@@ -52,7 +52,7 @@ def _run(args: argparse.Namespace) -> None:
         _say(args, f"warning: {warning}")
     job = _job(args)
     stats: dict[str, Any] = {}
-    chosen = _chosen(args, [name for name in _option_defaults() if name not in _ELSEWHERE])
+    chosen = _chosen(args, [option["name"] for option in _options() if option["name"] not in _ELSEWHERE])
     options: dict[str, Any] = {
         **chosen,
         "address": args.address,
@@ -98,14 +98,18 @@ def _parser() -> argparse.ArgumentParser:
         _add_files(one, command)
         _add_farm(one)
         options = one.add_argument_group("options of `lightmesh render`, whose --help says what they are")
-        for name, default in _option_defaults().items():
-            if name in ("threads", "time_limit") or (name == "camera" and command != "render"):
+        if command == "render":
+            options.add_argument("--camera", metavar="VALUE")
+        for name in ("scene", "units"):
+            options.add_argument("--" + name, metavar="VALUE")
+        options.add_argument("--allow-outside", action="store_const", const=True)
+        for option in _options():
+            if option["name"] in _ELSEWHERE:
                 continue
-            flag = "--" + name.replace("_", "-")
-            if name == "allow_outside":
-                options.add_argument(flag, action="store_const", const=True)
-            else:
-                options.add_argument(flag, metavar="VALUE", help=f"default: {default}" if default else None)
+            names = [option["name"], *([option["old_name"]] if option["old_name"] else [])]
+            flags = ["--" + name.replace("_", "-") for name in names]
+            default = option["default"]
+            options.add_argument(*flags, metavar="VALUE", help=f"default: {default}" if default else None)
     return parser
 
 

@@ -79,18 +79,21 @@ def test_scenes_without_surfaces() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"spp": 0}, 'spp: "0"'),
-        ({"spp": 2.5}, 'spp: "2.5"'),
-        ({"spacing": "2/80"}, 'spacing: "2/80" cannot be used: the spacing is metres'),
+        ({"spp": 0}, "spp: must be between 1 and 65536, not 0"),
+        ({"spp": 2.5}, "spp: must be a whole number between 1 and 65536, not 2.5"),
+        ({"spp": -1}, "spp: must be a whole number between 1 and 65536, not -1"),
+        ({"spacing": "2/80"}, "spacing: must be metres above 0, 1/K of the scene's longest edge, or auto, not \"2/80\""),
         ({"spacing": -1}, "spacing"),
         ({"spacing": float("nan")}, "spacing"),
-        ({"method": "magic"}, "method: \"magic\" is none of mesh, paper, standard"),
-        ({"size": (0, 4)}, 'size: "0x4"'),
-        ({"size": "big"}, 'size: "big"'),
+        ({"method": "magic"}, "method: must be one of mesh, paper, standard, hybrid, unbiased or path, not \"magic\""),
+        ({"method": "unbias"}, "did you mean \"unbiased\""),
+        ({"size": (0, 4)}, 'size: must be .*, not "0x4"'),
+        ({"size": "big"}, 'size: must be .*, not "big"'),
+        ({"size": (-1, 4)}, 'not "-1x4"'),
         ({"interpolation": "sphere:99"}, "interpolation"),
         ({"error": -1}, "error: must be above 0"),
         ({"error": 0.1, "method": "path"}, "error: is kept to by the method mesh alone"),
-        ({"aov": ["albedo", "smell"]}, 'aov: "smell" is none of albedo'),
+        ({"aov": ["albedo", "smell"]}, 'aov: must be among albedo, .*, not "smell"'),
         ({"aov": "points", "method": "path"}, "aov: points"),
         ({"environment": "sky.png"}, "environment"),
         ({"environment": numpy.zeros((2, 4, 3))}, "Scene.set_environment"),
@@ -116,6 +119,30 @@ def test_options_are_refused_by_their_python_names(options: dict[str, Any], mess
 def test_what_is_no_option_is_a_type_error(options: dict[str, Any]) -> None:
     with pytest.raises(TypeError):
         floor().render(**options)
+
+
+def test_what_was_meant_is_said() -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'spaceing'; did you mean 'spacing'"):
+        floor().render(spaceing="1/80")
+    with pytest.raises(TypeError, match="did you mean 'camera'"):
+        floor().render(camra=0)
+    with pytest.raises(TypeError, match="argument 'colour'$"):
+        floor().render(colour=1)
+    with pytest.raises(TypeError, match="spp: must be a whole number, not list"):
+        floor().render(spp=[1])
+
+
+def test_sizes_are_tuples_lists_and_text() -> None:
+    for size in [(6, 4), [6, 4], "6x4", numpy.array([6, 4])]:
+        assert floor().render(camera=from_above(), size=size, spp=1).shape == (4, 6, 3)
+
+
+def test_an_old_name_still_works_and_says_the_new_one() -> None:
+    options: dict[str, Any] = {"camera": from_above(), "size": (4, 4), "spp": 1}
+    with pytest.warns(DeprecationWarning, match="'graded' is now called 'lod_distance'"):
+        old = floor().render(graded=2.0, **options)
+    assert numpy.array_equal(old, floor().render(lod_distance=2.0, **options))
+    assert floor().render(method="exact", **options).stats["method"] == "standard"
 
 
 def test_memory_has_a_limit(scenes: Path) -> None:
@@ -187,7 +214,7 @@ def test_meshes_serve_their_scene_and_options(cornell: Scene) -> None:
     mesh = LightMesh(cornell, spacing="1/20", bounces=0)
     for scene, options, message in [
         (floor(), {}, "another scene"),
-        (cornell, {"spacing": "1/30"}, "was made for another"),
+        (cornell, {"spacing": "1/30"}, "the mesh was made with spacing 1/20, and the options ask for 1/30"),
         (cornell, {"light_radius": 0.1}, "light_radius"),
     ]:
         with pytest.raises(OptionError, match=message):

@@ -11,8 +11,8 @@ import pytest
 
 import lightmesh
 from conftest import REPOSITORY
-from lightmesh import LightMesh, Scene
-from lightmesh._native import _option_defaults
+from lightmesh import LightMesh, OptionError, Scene
+from lightmesh._native import _options
 
 #: What Python has beside the options.
 OWN = {"self", "camera", "mesh", "progress"}
@@ -25,24 +25,30 @@ def defaults(function: object) -> dict[str, object]:
 
 
 def same(python: object, rust: str | None) -> bool:
-    """Whether a default of Python is that text of the command line."""
+    """Whether a default of Python is that text of the table."""
     if python is None or rust is None or isinstance(python, str):
         return python == rust
     return isinstance(python, bool) is False and float(str(python)) == float(rust)
 
 
-def test_signatures_have_the_options_and_defaults_of_the_command_line() -> None:
-    rust = _option_defaults()
-    render, mesh, load = defaults(Scene.render), defaults(LightMesh), defaults(Scene.load)
-    assert load.pop("allow_outside") is False
-    of_loading = set(load) | {"allow_outside"}
-    assert set(rust) == (set(render) | of_loading) - (OWN - {"camera"})
-    assert set(mesh) == set(render) - OWN
+def test_signatures_have_the_options_and_defaults_of_the_table() -> None:
+    table = {option["name"]: option["default"] for option in _options()}
+    render, mesh = defaults(Scene.render), defaults(LightMesh)
+    assert set(render) == set(table) | (OWN - {"self"})
+    assert set(mesh) == set(table)
     meters = defaults(Scene.irradiance)
-    assert set(render) - set(meters) == {"camera", "size", "aov", "cutoff", "time_limit", "error", "refine", "graded"}
-    for chosen in (render, mesh, load, meters):
+    assert set(render) - set(meters) == {
+        "camera", "size", "aov", "cutoff", "time_limit", "error", "refine", "lod_distance"
+    }  # fmt: skip
+    for chosen in (render, mesh, meters):
         for name, default in chosen.items():
-            assert same(default, rust.get(name)), (name, default, rust.get(name))
+            assert same(default, table.get(name)), (name, default, table.get(name))
+    # A loaded mesh has the options of its file.
+    of_load = defaults(LightMesh.load)
+    assert set(of_load) == set(table)
+    for name, default in of_load.items():
+        assert default is None or same(default, table[name]), name
+    assert defaults(Scene.load)["max_memory"] == table["max_memory"]
 
 
 def test_every_option_can_be_given_its_own_default(cornell: Scene) -> None:
@@ -51,18 +57,52 @@ def test_every_option_can_be_given_its_own_default(cornell: Scene) -> None:
     assert image.stats["method"] == "mesh"
 
 
-def test_stubs_have_the_signatures() -> None:
-    """Those of `python -m mypy.stubtest`, without mypy: names and defaults of the two long ones."""
+#: The annotation of each kind of option, where it has a value.
+TYPES = {
+    "int": {"int"},
+    "float": {"float"},
+    "word": {"_Method", "_Weight", "_PaperScale"},
+    "words": {"str | Sequence[str]"},
+    "size": {"_Size"},
+    "number or text": {"float | str", "int | str", "float"},
+    "text": {"str", "_Environment"},
+}
+
+
+def test_stubs_have_the_signatures_and_the_types_of_the_table() -> None:
+    """Those of `python -m mypy.stubtest`, without mypy: names and defaults of the long ones; and their types."""
+    types = {option["name"]: TYPES[option["type"]] for option in _options()}
     text = Path(lightmesh.__file__).with_name("_native.pyi").read_text()
     classes = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.ClassDef)}
-    for name, function in [("Scene", "render"), ("LightMesh", "__new__")]:
+    functions = [
+        ("Scene", "render", Scene.render),
+        ("Scene", "irradiance", Scene.irradiance),
+        ("LightMesh", "__new__", LightMesh),
+        ("LightMesh", "load", LightMesh.load),
+    ]
+    for name, function, thing in functions:
         stub = next(n for n in classes[name].body if isinstance(n, ast.FunctionDef) and n.name == function)
         found = {
             argument.arg: ast.literal_eval(default)
             for argument, default in zip(stub.args.kwonlyargs, stub.args.kw_defaults, strict=True)
             if default is not None
         }
-        assert list(found.items()) == list(defaults(getattr(lightmesh, name).render if name == "Scene" else LightMesh).items())
+        assert list(found.items()) == list(defaults(thing).items()), function
+        for argument in stub.args.kwonlyargs:
+            assert argument.annotation is not None
+            annotation = ast.unparse(argument.annotation).removesuffix(" | None")
+            assert argument.arg in OWN or annotation in types[argument.arg], (function, argument.arg, annotation)
+
+
+def test_words_of_the_stubs_are_those_of_the_table(cornell: Scene) -> None:
+    text = Path(lightmesh.__file__).with_name("_native.pyi").read_text()
+    for alias, option in [("_Method", "method"), ("_Weight", "weight"), ("_PaperScale", "paper_scale")]:
+        literal = text.split(f"{alias}: TypeAlias = Literal[")[1].split("]")[0]
+        words = [word.strip().strip('"') for word in literal.split(",")]
+        with pytest.raises(OptionError) as caught:
+            cornell.render(**{option: "no such"})
+        said = str(caught.value)
+        assert all(word in said for word in words if word != "exact"), said
 
 
 def test_everything_public_is_documented() -> None:

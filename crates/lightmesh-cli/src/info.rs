@@ -75,7 +75,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let options = LoadOptions {
         allow_outside: args.allow_outside,
         scene: args.scene_name.clone(),
-        max_memory: args.max_memory,
+        max_memory: args.max_memory(),
         ..LoadOptions::default()
     };
     let name = args.scene.display().to_string();

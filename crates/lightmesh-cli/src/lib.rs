@@ -11,7 +11,6 @@ mod environment;
 mod exit;
 mod info;
 mod interrupt;
-mod keywords;
 mod man;
 mod outputs;
 mod preview;
@@ -28,11 +27,13 @@ use clap::Parser;
 
 use crate::args::{Cli, Command};
 pub use crate::{
-    args::{EmitterArgs, Exposure, method_name, parse_exposure},
+    args::{
+        Choice, Chosen, EmitterArgs, EnvironmentArg, Exposure, SURROUNDINGS, Surroundings, choice, choices,
+        parse_exposure,
+    },
     camera_choice::{choose as choose_camera, height_for},
     compare::visible_difference,
     environment::{apply as apply_environment, read as read_environment},
-    keywords::{Keyword, KeywordError, Keywords, keywords},
     settings::json as settings_json,
     stats::{MeshesStats, Stats, WorkStats},
 };

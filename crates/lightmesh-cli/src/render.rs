@@ -11,7 +11,7 @@ use lightmesh_io::{
 
 use crate::{
     SOFTWARE,
-    args::{EmitterArgs, RenderArgs, method_name},
+    args::{EmitterArgs, RenderArgs, Surroundings},
     camera_choice, environment,
     exit::Failure,
     interrupt,
@@ -33,37 +33,38 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
 
     // Refuse what can be refused before any work.
-    let mut options = args.options();
-    options.validate()?;
-    args.emitters.options().validate()?;
-    if args.size.is_some() {
+    let mut options = args.options()?;
+    let Surroundings { emitters, threads } = args.surroundings();
+    let max_memory = options.limits.max_memory;
+    let has_size = args.chosen.get("size").is_some();
+    if has_size {
         check_memory(args, &options)?;
     }
     let outputs = Outputs::check(args)?;
-    if !options.aovs.is_empty() && !outputs.has_exr() {
+    if !options.picture.aovs.is_empty() && !outputs.has_exr() {
         return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
     }
     for (option, file) in [("mesh", &args.mesh), ("save-mesh", &args.save_mesh)] {
         if file.is_some() && !options.method.has_mesh() {
-            let method = method_name(options.method);
-            return Err(Failure::Input(anyhow!("--{option}: --method {method} has no light mesh")));
+            return Err(Failure::Input(anyhow!("--{option}: --method {} has no light mesh", options.method)));
         }
     }
 
     // Listen to Ctrl-C, and start the threads.
     interrupt::listen();
-    if let Some(threads) = args.threads {
+    if let Some(threads) = threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
         pool.build_global().context("threads").map_err(Failure::Work)?;
     }
-    let bar = Bar::new(args.quiet, args.time_limit);
+    let bar = Bar::new(args.quiet, options.picture.time_limit);
 
     // Read the environment and the mesh, which fail sooner, and the scene.
-    let asked_for = environment::read(&args.emitters, options.max_memory, warn).map_err(Failure::input)?;
-    let known = args.mesh.as_deref().map(|path| Ok((path, lightmesh_io::read_mesh(path, options.max_memory)?)));
+    let asked_for = environment::read(&emitters, max_memory, warn).map_err(Failure::input)?;
+    let known = args.mesh.as_deref().map(|path| Ok((path, lightmesh_io::read_mesh(path, max_memory)?)));
     let known = known.transpose().map_err(|error: lightmesh_io::Error| Failure::input(error))?;
     bar.spin("reading the scene");
-    let loaded = lightmesh_io::load(&args.scene, &args.load_options()).map_err(Failure::input);
+    let load_options = args.load_options(max_memory);
+    let loaded = lightmesh_io::load(&args.scene, &load_options).map_err(Failure::input);
     bar.clear();
     let loaded = loaded?;
     stop_if_interrupted()?;
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Build it.
     let build_start = Instant::now();
     bar.spin("building");
-    let built = build(loaded.data, asked_for, &args.emitters, args.camera.as_deref());
+    let built = build(loaded.data, asked_for, &emitters, args.camera.as_deref());
     bar.clear();
     let Built { scene, camera, warnings } =
         built.map_err(|failure| name_the_file(failure, &args.scene.display().to_string()))?;
@@ -82,18 +83,18 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     scene.warnings().iter().chain(&warnings).for_each(|w| warn(w));
 
     // Set up the picture and its light mesh, new or as the file has it.
-    if args.size.is_none() {
-        options.height = camera_choice::height_for(&camera, options.width);
+    if !has_size {
+        options.picture.height = camera_choice::height_for(&camera, options.picture.width);
     }
     check_memory(args, &options)?;
     let mut metadata = Metadata {
         software: SOFTWARE.to_owned(),
-        method: method_name(options.method).to_owned(),
+        method: options.method.to_string(),
         scene: args.scene.display().to_string(),
-        settings: settings::json(&options, &args.emitters, args.load_options().units, &camera.name),
+        settings: settings::json(&options, &emitters, load_options.units, &camera.name),
         seconds: 0.0,
         estimated_error: None,
-        spp: options.spp,
+        spp: options.picture.spp,
         camera,
     };
     let mut mesh = match known {
@@ -135,13 +136,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
         let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
-        if let Some(limit) = args.time_limit {
+        if let Some(limit) = options.picture.time_limit {
             terminal::note(&samples_in_time(limit, &frame.stats));
         }
-        if let Some(error) = options.error {
+        if let Some(error) = options.method.error() {
             terminal::note(&estimate(error, frame.stats.estimated_error));
         }
-        if let Some(note) = left_out(options.bounces, frame.stats.truncated_light) {
+        if let Some(note) = left_out(options.transport.bounces, frame.stats.truncated_light) {
             terminal::note(&note);
         }
         terminal::note(&format!(
@@ -208,7 +209,7 @@ fn build(
     let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
     let mut warnings: Vec<String> = warning.into_iter().collect();
     warnings.extend(environment::apply(&mut data, asked_for, emitters));
-    Ok(Built { scene: Scene::with_emitters(data, &emitters.options())?, camera, warnings })
+    Ok(Built { scene: Scene::with_emitters(data, &emitters.options)?, camera, warnings })
 }
 
 /// Says which file bad input is about; the core does not know it.

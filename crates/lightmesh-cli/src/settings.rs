@@ -1,126 +1,61 @@
 //! The settings of a render as a picture file keeps them.
 
-use lightmesh::{Aov, EmitterOptions, Falloff, PaperScale, RenderOptions, Spacing};
+use lightmesh::RenderOptions;
+use lightmesh::schema::{Entry, Kind, RENDER, Value};
 use lightmesh_io::Units;
-use serde_json::json;
+use serde_json::{Map, json};
 
-use crate::args::{EmitterArgs, EnvironmentArg, method_name, spell_interpolation, weight_name};
+use crate::args::{EmitterArgs, SURROUNDINGS, Surroundings};
 
-/// A JSON object with every option, spelled as the command line spells it.
+/// Returns a JSON object with every option, spelled as the command line spells it: whole numbers as numbers, everything
+/// else as text.
 pub fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
-    let RenderOptions {
-        method,
-        width,
-        height,
-        spp,
-        time_limit,
-        bounces,
-        depth,
-        cutoff,
-        spacing,
-        indirect_spacing,
-        gather_rays,
-        error,
-        refine,
-        graded,
-        rays,
-        interpolation,
-        weight,
-        field_falloff,
-        falloff,
-        paper_scale,
-        light_error,
-        aovs,
-        seed,
-        max_memory,
-    } = options;
-    let EmitterOptions { light_samples, light_radius } = emitters.options();
-    json!({
-        "method": method_name(*method),
-        "size": format!("{width}x{height}"),
-        "spp": spp,
-        "time-limit": time_limit.map(|limit| limit.as_secs_f64().to_string()),
-        "bounces": bounces,
-        "depth": depth,
-        "cutoff": cutoff.to_string(),
-        "spacing": spell_spacing(*spacing),
-        "indirect-spacing": spell_spacing(*indirect_spacing),
-        "gather-rays": gather_rays,
-        "error": error.map(|error| error.to_string()),
-        "refine": refine,
-        "graded": graded.map(|metres| metres.to_string()),
-        "rays": rays,
-        "interpolation": spell_interpolation(*interpolation),
-        "weight": weight_name(*weight),
-        "field-falloff": spell_falloff(*field_falloff),
-        "falloff": spell_falloff(*falloff),
-        "paper-scale": match paper_scale {
-            PaperScale::Visibility => "visibility",
-            PaperScale::Constant => "constant",
-        },
-        "light-error": light_error.to_string(),
-        "aov": aovs.iter().map(Aov::name).collect::<Vec<_>>().join(","),
-        "environment": emitters.environment.as_ref().map(spell_environment),
-        "environment-strength": emitters.environment_strength.to_string(),
-        "environment-rotation": emitters.environment_rotation.to_string(),
-        "light-samples": light_samples,
-        "light-radius": light_radius.to_string(),
-        "seed": seed,
-        "max-memory": max_memory,
-        "units": match units {
-            Units::Gltf => "gltf",
-            Units::Blender => "blender",
-        },
-        "camera": camera,
-    })
-    .to_string()
+    let mut settings = Map::new();
+    let surroundings = Surroundings { emitters: emitters.clone(), threads: None };
+    RENDER.iter().for_each(|entry| put(&mut settings, entry, options));
+    // The picture is the same for every number of threads.
+    let of_light = SURROUNDINGS.iter().filter(|entry| entry.about.name != "threads");
+    of_light.for_each(|entry| put(&mut settings, entry, &surroundings));
+    settings.insert("max-memory".to_owned(), json!(options.limits.max_memory));
+    let units = match units {
+        Units::Gltf => "gltf",
+        Units::Blender => "blender",
+    };
+    settings.insert("units".to_owned(), json!(units));
+    settings.insert("camera".to_owned(), json!(camera));
+    serde_json::Value::Object(settings).to_string()
 }
 
-fn spell_spacing(spacing: Spacing) -> String {
-    match spacing {
-        Spacing::Auto => "auto".to_owned(),
-        Spacing::Fraction(k) => format!("1/{k}"),
-        Spacing::Metres(metres) => metres.to_string(),
-    }
-}
-
-fn spell_environment(environment: &EnvironmentArg) -> String {
-    match environment {
-        EnvironmentArg::File(path) => path.display().to_string(),
-        EnvironmentArg::Color(c) => format!("{},{},{}", c.x, c.y, c.z),
-    }
-}
-
-fn spell_falloff(falloff: Falloff) -> String {
-    match falloff {
-        Falloff::InverseSquare => "r2".to_owned(),
-        Falloff::ConstantPlusDistance { constant } => format!("{constant}+r"),
-    }
+fn put<T>(settings: &mut Map<String, serde_json::Value>, entry: &Entry<T>, options: &T) {
+    let value = (entry.get)(options).map(|value| match (value, entry.about.kind) {
+        (Value::Whole(n), Kind::Whole(..)) => json!(n),
+        (value, _) => json!(value.to_string()),
+    });
+    settings.insert(entry.about.key().to_owned(), value.unwrap_or_default());
 }
 
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use lightmesh::{Interpolation, PointWeight};
+    use lightmesh::{Aov, Falloff, Interpolation, Method, PaperScale, PointWeight, Spacing};
 
     use super::*;
     use crate::args::{Cli, Command};
 
     #[test]
     fn options_are_spelled_as_on_the_command_line() {
-        let options = RenderOptions {
-            spacing: Spacing::Fraction(80.0),
-            falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
-            interpolation: Interpolation::Sphere { radius: 2.5 },
-            weight: PointWeight::Cosine,
-            graded: Some(2.5),
-            aovs: [Aov::Depth, Aov::Albedo].into_iter().collect(),
-            ..RenderOptions::default()
-        };
+        let options = RenderOptions::default().with(|o| {
+            o.mesh.spacing = Spacing::Fraction(80.0);
+            o.transport.falloff = Falloff::ConstantPlusDistance { constant: 0.1 };
+            o.mesh.interpolation = Interpolation::Sphere { radius: 2.5 };
+            o.mesh.weight = PointWeight::Cosine;
+            o.mesh.lod_distance = Some(2.5);
+            o.picture.aovs = [Aov::Depth, Aov::Albedo].into_iter().collect();
+        });
         let line =
             "lightmesh render a.glb -o a.png --environment 1,0.5,0 --environment-rotation -90 --light-radius 0.1";
         let Command::Render(args) = Cli::parse_from(line.split(' ')).command else { panic!("render was asked for") };
-        let text = json(&options, &args.emitters, Units::Blender, "hall");
+        let text = json(&options, &args.surroundings().emitters, Units::Blender, "hall");
         for part in [
             r#""spacing":"1/80""#,
             r#""falloff":"0.1+r""#,
@@ -140,5 +75,33 @@ mod tests {
         ] {
             assert!(text.contains(part), "{text}");
         }
+    }
+
+    /// Pinned, byte for byte: files of several versions are compared.
+    #[test]
+    fn the_text_never_changes() {
+        let text = |options: &RenderOptions| json(options, &EmitterArgs::default(), Units::Gltf, "");
+        assert_eq!(
+            text(&RenderOptions::default()),
+            concat!(
+                r#"{"aov":"","bounces":3,"camera":"","cutoff":"0.001","depth":8,"environment":null,"#,
+                r#""environment-rotation":"0","environment-strength":"1","error":null,"falloff":"r2","field-falloff":"r2","#,
+                r#""gather-rays":256,"graded":null,"indirect-spacing":"auto","interpolation":"auto","light-error":"0.01","#,
+                r#""light-radius":"0","light-samples":64,"max-memory":4294967296,"method":"mesh","paper-scale":"visibility","#,
+                r#""rays":4,"refine":null,"seed":0,"size":"1280x720","spacing":"auto","spp":4,"time-limit":null,"#,
+                r#""units":"gltf","weight":"constant"}"#
+            )
+        );
+        let paper = Method::Paper {
+            field_falloff: Falloff::ConstantPlusDistance { constant: 0.1 },
+            scale: PaperScale::Constant,
+        };
+        let paper = text(&RenderOptions { method: paper, ..RenderOptions::default() });
+        assert!(
+            paper.contains(r#""field-falloff":"0.1+r""#) && paper.contains(r#""paper-scale":"constant""#),
+            "{paper}"
+        );
+        let bounded = text(&RenderOptions { method: Method::with_error(0.05), ..RenderOptions::default() });
+        assert!(bounded.contains(r#""error":"0.05""#) && bounded.contains(r#""method":"mesh""#), "{bounded}");
     }
 }

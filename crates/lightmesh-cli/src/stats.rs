@@ -5,8 +5,6 @@ use std::time::Duration;
 use lightmesh::{LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
 use serde::Serialize;
 
-use crate::args::method_name;
-
 /// The whole document; keys in this order.
 #[derive(Debug, Serialize)]
 pub struct Stats {
@@ -37,10 +35,10 @@ impl Stats {
     pub fn new(name: String, scene: &Scene, options: &RenderOptions, frame: &RenderStats) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            method: method_name(options.method),
+            method: options.method.name(),
             scene: name,
             threads: rayon::current_num_threads(),
-            image: ImageStats { width: options.width, height: options.height, spp: frame.spp },
+            image: ImageStats { width: options.picture.width, height: options.picture.height, spp: frame.spp },
             time_limit_reached: frame.time_limit_reached,
             triangles: scene.triangle_count(),
             lights: scene.data().lights.len() as u64,
@@ -84,7 +82,7 @@ impl WorkStats {
     pub fn new(options: &RenderOptions, work: &RenderStats) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
-            method: method_name(options.method),
+            method: options.method.name(),
             threads: rayon::current_num_threads(),
             spp: work.spp,
             seconds: SecondsStats { total: work.seconds.render, ..SecondsStats::of(work) },

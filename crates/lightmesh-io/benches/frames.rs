@@ -9,7 +9,7 @@
 
 mod room;
 
-use lightmesh::{Frame, LightMesh, Method, RenderOptions, Scene, render};
+use lightmesh::{Frame, LightMesh, Method, Scene, render};
 
 use room::{direct_light, from_root, open};
 
@@ -33,10 +33,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let asked = std::env::args().skip(1).find(|a| !a.starts_with("--")).unwrap_or_else(|| "scenes/room_15.glb".into());
     let (data, camera) = open(&asked)?;
     let scene = Scene::new(data)?;
-    let unbiased = RenderOptions { rays: 4, ..direct_light(Method::Unbiased, 80.0) };
+    let unbiased = direct_light(Method::UNBIASED, 80.0).with(|o| o.method = Method::unbiased(4));
     let methods = [
         ("standard", direct_light(Method::Standard, 40.0)),
-        ("mesh 1/40", direct_light(Method::Mesh, 40.0)),
+        ("mesh 1/40", direct_light(Method::MESH, 40.0)),
         ("hybrid 1/80", direct_light(Method::Hybrid, 80.0)),
         ("unbiased 1/80, 4 rays", unbiased),
     ];

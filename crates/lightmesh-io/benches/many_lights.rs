@@ -32,11 +32,11 @@ const LONG: f64 = 10.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (data, camera) = open("scenes/room_100.glb")?;
-    let options = direct_light(Method::Mesh, 40.0);
+    let options = direct_light(Method::MESH, 40.0);
     // What is run, and up to how many lights.
     let methods = [
         ("mesh", options.clone(), usize::MAX),
-        ("mesh, every light", RenderOptions { light_error: 0.0, ..options.clone() }, 10_000),
+        ("mesh, every light", options.clone().with(|o| o.transport.light_error = 0.0), 10_000),
         ("standard", RenderOptions { method: Method::Standard, ..options.clone() }, 1000),
     ];
 

@@ -184,13 +184,11 @@ pub enum Error {
         file: String,
     },
     /// A mesh file of other settings.
-    #[error("{file}: was made with {what}; its method is {method}, and the file itself says with which settings")]
+    #[error("{file}: the mesh {what}")]
     OtherSettings {
         /// The file.
         file: String,
-        /// As `--method` spells it.
-        method: String,
-        /// What differs.
+        /// What differs, with both values.
         what: String,
     },
     /// The contents of a mesh file do not fit the scene.

@@ -52,7 +52,9 @@ pub use environment_map::{EnvironmentMap, read_environment};
 pub use error::Error;
 pub use gltf::load_gltf_bytes;
 pub use load_options::{LoadOptions, Loaded, Units};
-pub use mesh_file::{MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh, write_mesh_to};
+pub use mesh_file::{
+    MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, setting, write_mesh, write_mesh_to,
+};
 pub use picture::{Encoding, Picture, read_picture};
 pub use scene_bytes::{scene_from_bytes, scene_to_bytes};
 pub use scene_file::load;

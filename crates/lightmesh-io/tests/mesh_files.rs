@@ -11,7 +11,7 @@ use lightmesh::{
 use lightmesh_io::{Error, MeshFile, Provenance, mesh_from_bytes, mesh_to_bytes, read_mesh, write_mesh};
 
 const MEMORY: u64 = 1 << 30;
-const METHODS: [Method; 4] = [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased];
+const METHODS: [Method; 4] = [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED];
 
 /// A ball on a floor under so many lamps.
 fn scene(lamps: u16) -> Scene {
@@ -38,17 +38,16 @@ fn scene(lamps: u16) -> Scene {
 
 fn options(method: Method, bounces: u32) -> RenderOptions {
     let spacing = Spacing::Metres(0.5);
-    RenderOptions {
-        method,
-        bounces,
-        width: 16,
-        height: 12,
-        spp: 1,
-        gather_rays: 16,
-        spacing,
-        indirect_spacing: spacing,
-        ..RenderOptions::default()
-    }
+    RenderOptions::default().with(|o| {
+        o.method = method;
+        o.transport.bounces = bounces;
+        o.picture.width = 16;
+        o.picture.height = 12;
+        o.picture.spp = 1;
+        o.mesh.gather_rays = 16;
+        o.mesh.spacing = spacing;
+        o.mesh.indirect_spacing = spacing;
+    })
 }
 
 fn picture(scene: &Scene, eye: [f32; 3], options: &RenderOptions, mesh: &mut LightMesh) -> Image {
@@ -79,7 +78,7 @@ fn what_is_written_is_read_bit_for_bit() {
             assert!(bytes == mesh_to_bytes(&filled(&scene, &options)), "equal meshes are equal files");
             assert!(mesh_from_bytes("memory", &bytes, MEMORY).expect("read") == file);
             let direct = &file.contents.direct.values;
-            let by_light = matches!(method, Method::Hybrid | Method::Unbiased);
+            let by_light = matches!(method, Method::Hybrid | Method::Unbiased { .. });
             assert_eq!(matches!(direct, DirectValues::Runs { .. }), by_light && lamps == 600);
             assert_eq!(matches!(direct, DirectValues::Lights { .. }), by_light && lamps == 3);
 
@@ -97,7 +96,7 @@ fn what_is_written_is_read_bit_for_bit() {
 /// Any reader of safetensors sees the arrays of the documentation.
 #[test]
 fn other_readers_open_it() {
-    let file = filled(&scene(3), &options(Method::Mesh, 2));
+    let file = filled(&scene(3), &options(Method::MESH, 2));
     let bytes = mesh_to_bytes(&file);
     let tensors = safetensors::SafeTensors::deserialize(&bytes).expect("safetensors");
     let n = file.contents.direct.points.addresses.len();
@@ -188,7 +187,7 @@ fn foreign_and_hostile_files_are_refused() {
 
 #[test]
 fn memory_is_paid_for_before_it_is_taken() {
-    let bytes = mesh_to_bytes(&filled(&scene(3), &options(Method::Mesh, 2)));
+    let bytes = mesh_to_bytes(&filled(&scene(3), &options(Method::MESH, 2)));
     for limit in [0, 5000, bytes.len() as u64 / 2] {
         let error = mesh_from_bytes("x", &bytes, limit).expect_err("too much");
         assert!(matches!(error, Error::OutOfMemory { limit_bytes, .. } if limit_bytes == limit), "{error}");
@@ -198,31 +197,31 @@ fn memory_is_paid_for_before_it_is_taken() {
 #[test]
 fn files_of_other_scenes_and_settings_are_refused() {
     let (own, other) = (scene(3), scene(4));
-    let options = options(Method::Mesh, 2);
+    let options = options(Method::MESH, 2);
     let file = filled(&own, &options);
     let path = Path::new("a.safetensors");
     let into = |scene: &Scene, options: &RenderOptions| file.clone().into_mesh(path, scene, options);
     assert!(matches!(into(&other, &options), Err(Error::OtherScene { .. })));
-    let finer = RenderOptions { spacing: Spacing::Metres(0.4), ..options.clone() };
+    let finer = options.clone().with(|o| o.mesh.spacing = Spacing::Metres(0.4));
     assert!(matches!(into(&own, &finer), Err(Error::OtherSettings { .. })));
-    let more = into(&own, &RenderOptions { bounces: 3, ..options.clone() }).expect_err("more bounces").to_string();
-    assert!(more.contains("with 2 bounces, not 3"), "{more}");
+    let more = into(&own, &options.clone().with(|o| o.transport.bounces = 3)).expect_err("more bounces").to_string();
+    assert!(more.contains("was made with bounces 2, and the options ask for 3"), "{more}");
 
     // Fewer bounces are in it.
-    let fewer = RenderOptions { bounces: 1, ..options.clone() };
+    let fewer = options.clone().with(|o| o.transport.bounces = 1);
     let mut mesh = into(&own, &fewer).expect("mesh");
     let mut fresh = LightMesh::new(&own, &fewer).expect("mesh");
     assert!(picture(&own, [2.0, 2.0, 6.0], &fewer, &mut mesh) == picture(&own, [2.0, 2.0, 6.0], &fewer, &mut fresh));
 
     // Contents of another mesh under this one's name.
     let mixed = MeshFile { contents: Snapshot { indirect: None, ..file.contents.clone() }, ..file.clone() };
-    let options_without = RenderOptions { bounces: 0, ..options.clone() };
+    let options_without = options.clone().with(|o| o.transport.bounces = 0);
     assert!(mixed.into_mesh(path, &own, &options_without).is_ok());
     let mut bad = file.clone();
     bad.contents.direct.points.addresses[2] = [0, 999, 0, 0];
     let message = bad.into_mesh(path, &own, &options).expect_err("nowhere").to_string();
     assert!(message.starts_with("a.safetensors: mesh contents: direct addresses, point 2: (999, 0, 0)"), "{message}");
-    let small = RenderOptions { max_memory: 40_000, ..options };
+    let small = options.with(|o| o.limits.max_memory = 40_000);
     assert!(matches!(into(&own, &small), Err(Error::Mesh { .. })));
     assert_eq!(file.scene, Fingerprint::of_scene(&own));
 }
@@ -230,7 +229,7 @@ fn files_of_other_scenes_and_settings_are_refused() {
 #[test]
 fn places_that_cannot_be_read_or_written_are_named() {
     let folder = tempfile::tempdir().expect("folder");
-    let file = filled(&scene(3), &options(Method::Mesh, 0));
+    let file = filled(&scene(3), &options(Method::MESH, 0));
     assert!(matches!(read_mesh(&folder.path().join("none"), MEMORY), Err(Error::Read { .. })));
     assert!(matches!(read_mesh(folder.path(), MEMORY), Err(Error::Read { .. })));
     assert!(matches!(write_mesh(folder.path(), &file), Err(Error::IsFolder { .. })));

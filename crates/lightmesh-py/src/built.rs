@@ -48,7 +48,7 @@ impl Built {
         let own_environment = data.environment.clone();
         let applied = lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
         warnings.extend(applied.iter().map(|warning| without_dashes(warning)));
-        let scene = Scene::with_emitters(data, &emitters.options()).map_err(BuildError::Scene)?;
+        let scene = Scene::with_emitters(data, &emitters.options).map_err(BuildError::Scene)?;
         warnings.extend_from_slice(scene.warnings());
         Ok(Self { scene, emitters: emitters.clone(), own_environment, warnings, time: started.elapsed() })
     }

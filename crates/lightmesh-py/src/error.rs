@@ -4,7 +4,6 @@
 
 use std::io;
 
-use lightmesh_cli::KeywordError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -64,6 +63,12 @@ impl Raise for lightmesh::Error {
             Error::InvalidOption { option: name, what } => {
                 option(py, format!("{}: {}", name.replace('-', "_"), without_dashes(&what)))
             }
+            Error::IncompatibleMesh { .. }
+            | Error::InvalidBricks { .. }
+            | Error::InvalidWaves { .. }
+            | Error::InvalidPortions { .. }
+            | Error::InvalidOutlines { .. }
+            | Error::InvalidReflection { .. } => option(py, self.to_string()),
             Error::OutOfMemory { .. } => memory(py, without_dashes(&self.to_string())),
             Error::Cancelled => PyKeyboardInterrupt::new_err(()),
             other => general(py, other.to_string()),
@@ -88,7 +93,10 @@ impl Raise for lightmesh_io::Error {
             Error::IsFolder { file } => os_error(&io::Error::from_raw_os_error(EISDIR), "name a file in it", file),
             Error::OutOfMemory { .. } => memory(py, message),
             Error::Mesh { cause: lightmesh::Error::OutOfMemory { .. }, .. } => memory(py, message),
-            Error::Mesh { cause: lightmesh::Error::InvalidOption { .. }, .. }
+            Error::Mesh {
+                cause: lightmesh::Error::InvalidOption { .. } | lightmesh::Error::IncompatibleMesh { .. },
+                ..
+            }
             | Error::OtherSettings { .. }
             | Error::NoSuchScene { .. }
             | Error::PictureFormat { .. }
@@ -107,12 +115,6 @@ impl Raise for lightmesh_io::Error {
             | Error::Picture { .. } => scene(py, message),
             _ => general(py, message),
         }
-    }
-}
-
-impl Raise for KeywordError {
-    fn raise(self, py: Python<'_>) -> PyErr {
-        option(py, without_dashes(&self.to_string()))
     }
 }
 

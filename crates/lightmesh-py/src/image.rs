@@ -4,9 +4,10 @@ use std::io::{self, Cursor, Write as _};
 use std::path::PathBuf;
 
 use lightmesh::{Camera, Frame, Image, Layer, RenderOptions};
-use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, method_name, parse_exposure, settings_json};
+use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, parse_exposure, settings_json};
 use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
 use lightmesh_io::{Encoding, Picture, Units};
+use pyo3::exceptions::PyTypeError;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -115,9 +116,10 @@ impl PyImage {
         let exposure = match exposure {
             None => Exposure::Auto,
             Some(value) => {
-                let text = keywords::spell("exposure", value)?;
-                parse_exposure(&text.to_string_lossy())
-                    .map_err(|what| error::option(py, format!("exposure: {what}")))?
+                let number = || keywords::number(value).map(|number| number.to_string());
+                let text: Option<String> = value.extract().ok().or_else(number);
+                let text = text.ok_or_else(|| PyTypeError::new_err("exposure: must be a number of EV, or 'auto'"))?;
+                parse_exposure(&text).map_err(|what| error::option(py, format!("exposure: {what}")))?
             }
         };
         if format == Format::Exr && !self.has_camera {
@@ -210,12 +212,12 @@ pub(crate) fn metadata(
 ) -> Metadata {
     Metadata {
         software: SOFTWARE.to_owned(),
-        method: method_name(options.method).to_owned(),
+        method: options.method.to_string(),
         scene: scene.to_owned(),
         settings: settings_json(options, emitters, units, &camera.name),
         seconds: 0.0,
         estimated_error: None,
-        spp: options.spp,
+        spp: options.picture.spp,
         camera: camera.clone(),
     }
 }

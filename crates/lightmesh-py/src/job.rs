@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use lightmesh::distributed::{self, Prepared};
 use lightmesh::{Camera, Fingerprint, LightMesh, RenderOptions, Snapshot};
-use lightmesh_cli::{EmitterArgs, SOFTWARE, method_name, settings_json};
+use lightmesh_cli::{EmitterArgs, SOFTWARE, settings_json};
 use lightmesh_io::{MeshFile, Units};
 use pyo3::prelude::*;
 
@@ -82,7 +82,7 @@ impl Job {
             scene: self.scene,
             settings_fingerprint: Fingerprint::of_settings(&self.options),
             software: SOFTWARE.to_owned(),
-            method: method_name(self.options.method).to_owned(),
+            method: self.options.method.to_string(),
             settings: "{}".to_owned(),
             contents,
         })

@@ -43,7 +43,7 @@ mod _native {
     #[pymodule_export]
     use super::image::PyImage;
     #[pymodule_export]
-    use super::keywords::option_defaults;
+    use super::keywords::options;
     #[pymodule_export]
     use super::light::PyLight;
     #[pymodule_export]

@@ -1,25 +1,24 @@
 //! Meshes into files and back.
 
-use std::ffi::OsString;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use lightmesh::LightMesh;
-use lightmesh_cli::{SOFTWARE, method_name, settings_json};
+use lightmesh_cli::{Chosen, EnvironmentArg, SOFTWARE, choice, settings_json};
 use lightmesh_io::output::StagedFile;
 use lightmesh_io::{Error, MeshFile, Provenance, Units, write_mesh_to};
 use pyo3::prelude::*;
 
 use crate::error::{self, Raise};
-use crate::keywords::{self, Pairs};
+use crate::keywords::Keywords;
 use crate::scene::LitScene;
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 
 /// Settings that a loaded mesh takes from its file unless the caller gives others: all that its points depend on. An
 /// environment that is a file is not among them: a mesh file must not decide which files are opened.
-const KEPT: [&str; 21] = [
+const KEPT: [&str; 22] = [
     "method",
     "bounces",
     "error",
@@ -27,6 +26,7 @@ const KEPT: [&str; 21] = [
     "falloff",
     "light-error",
     "seed",
+    "environment",
     "environment-strength",
     "environment-rotation",
     "light-samples",
@@ -35,7 +35,7 @@ const KEPT: [&str; 21] = [
     "indirect-spacing",
     "gather-rays",
     "refine",
-    "graded",
+    "lod-distance",
     "rays",
     "interpolation",
     "weight",
@@ -68,7 +68,7 @@ pub(crate) fn save(
         let mut staged = StagedFile::create(&path).map_err(SaveError::File)?;
         let file = {
             let mesh = mesh.lock().ok_or(SaveError::MeshInUse)?;
-            let method = method_name(options.method);
+            let method = options.method.name();
             let provenance = Provenance { software: SOFTWARE, method, settings: &settings };
             MeshFile::new(&built.scene, &options, &mesh, provenance)
         };
@@ -116,14 +116,14 @@ pub(crate) struct Opened {
     path: PathBuf,
     file: MeshFile,
     /// The settings of the mesh: those of the file, under those of the caller.
-    pub(crate) chosen: Pairs,
+    pub(crate) chosen: Chosen,
     /// The environment map that lit the scene, if the caller did not name one.
     map: Option<String>,
 }
 
 /// Reads a mesh file; `said` are the settings that the caller gives.
-pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Opened> {
-    let max_memory = keywords::parse(py, said)?.mesh_options().max_memory;
+pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Chosen) -> PyResult<Opened> {
+    let max_memory = Keywords::new(py, said)?.mesh_options().limits.max_memory;
     let read = move |_: &Watch| {
         let file = lightmesh_io::read_mesh(&path, max_memory);
         file.map(|file| (path, file))
@@ -131,13 +131,14 @@ pub(crate) fn open(py: Python<'_>, path: PathBuf, said: &Pairs) -> PyResult<Open
     // Reading cannot be told to stop.
     let (path, file) =
         work::run(py, None, None, AtInterrupt::Abandon, read)?.map_err(|error: Error| error.raise(py))?;
-    let (kept, map) = settings(&file.settings);
-    if let Err(error) = keywords::parse(py, &kept) {
+    let unusable = |error: PyErr| {
         let message = error.value(py).to_string();
-        return Err(error::scene(py, format!("{}: settings: {message}", path.display())));
-    }
-    let map = map.filter(|_| said.iter().all(|(name, _)| name != "environment"));
-    Ok(Opened { chosen: keywords::over(&kept, said), path, file, map })
+        error::scene(py, format!("{}: settings: {message}", path.display()))
+    };
+    let (kept, map) = settings(&file.settings).map_err(|error| unusable(error.raise(py)))?;
+    Keywords::new(py, &kept).map_err(unusable)?;
+    let map = map.filter(|_| said.get("environment").is_none());
+    Ok(Opened { chosen: kept.over(said), path, file, map })
 }
 
 impl Opened {
@@ -156,26 +157,17 @@ impl Opened {
     }
 }
 
-/// Returns the settings of the file that its mesh depends on, as pairs, and the file of its environment map.
-fn settings(json: &str) -> (Pairs, Option<String>) {
+/// Returns the settings of the file that its mesh depends on, and the file of its environment map.
+fn settings(json: &str) -> Result<(Chosen, Option<String>), lightmesh::Error> {
     let settings: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).unwrap_or_default();
-    let text = |name: &str| match settings.get(name)? {
-        serde_json::Value::String(text) => Some(text.clone()),
-        serde_json::Value::Number(number) => Some(number.to_string()),
-        _ => None,
-    };
-    let pair = |name: &str| Some((name.replace('-', "_"), OsString::from(text(name)?)));
-    let mut pairs: Pairs = KEPT.into_iter().filter_map(pair).collect();
-    let environment = text("environment");
-    let is_map = |text: &str| {
-        Path::new(text).extension().is_some_and(|e| e.eq_ignore_ascii_case("hdr") || e.eq_ignore_ascii_case("exr"))
-    };
-    match environment {
-        Some(text) if is_map(&text) => (pairs, Some(text)),
-        Some(text) => {
-            pairs.push(("environment".to_owned(), text.into()));
-            (pairs, None)
+    let (mut chosen, mut map) = (Chosen::default(), None);
+    for about in KEPT.into_iter().filter_map(choice) {
+        if let Some(value) = lightmesh_io::setting(&settings, about.key()) {
+            match EnvironmentArg::parse(value.as_text()).filter(|_| about.name == "environment") {
+                Some(EnvironmentArg::File(path)) => map = Some(path.display().to_string()),
+                _ => chosen.choose(&about, &value)?,
+            }
         }
-        None => (pairs, None),
     }
+    Ok((chosen, map))
 }

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use lightmesh::distributed::{self, GatherBatch, PartialImage, PointRequests, WaveRequest};
 use lightmesh::{Fingerprint, LightMesh};
-use lightmesh_cli::{SOFTWARE, Stats, method_name};
+use lightmesh_cli::{SOFTWARE, Stats};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -49,7 +49,7 @@ impl PyPictureJob {
     ) -> PyResult<Self> {
         let py = scene.py();
         // Parse the options, light the scene and choose the camera.
-        let chosen = keywords::pairs("PictureJob", options)?;
+        let chosen = keywords::chosen("PictureJob", options)?;
         let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen)?;
         let camera = scene_camera(built.scene.data(), camera)?;
         let options = keywords.options(&camera);
@@ -105,13 +105,13 @@ impl PyPictureJob {
     /// The number of diffuse interreflections; groups exchange levels from 0 to this.
     #[getter]
     fn bounces(&self) -> u32 {
-        self.job.options.bounces
+        self.job.options.transport.bounces
     }
 
     /// (width, height), pixels.
     #[getter]
     fn size(&self) -> (u32, u32) {
-        (self.job.options.width, self.job.options.height)
+        (self.job.options.picture.width, self.job.options.picture.height)
     }
 
     /// Every option and the camera's name, as a JSON object.
@@ -129,7 +129,7 @@ impl PyPictureJob {
         Fingerprint::of_text(&text).to_string()
     }
 
-    /// Prepares the mesh for the whole picture, as far as the options need that (error, refine, graded). The other
+    /// Prepares the mesh for the whole picture, as far as the options need that (error, refine, lod_distance). The other
     /// methods do it if it has not been done. Returns statistics, with the keys of the library's stats.
     #[pyo3(signature = (*, progress=None))]
     fn prepare<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
@@ -181,7 +181,7 @@ impl PyPictureJob {
     fn absorb(&self, contents: &Bound<'_, PyAny>) -> PyResult<()> {
         let bytes = arrays::bytes(contents, "contents")?;
         self.run(contents.py(), None, move |job, _| {
-            let file = lightmesh_io::mesh_from_bytes("contents", &bytes, job.options.max_memory);
+            let file = lightmesh_io::mesh_from_bytes("contents", &bytes, job.options.limits.max_memory);
             let file = file.map_err(JobError::File)?;
             file.check("contents".as_ref(), job.scene, &job.options).map_err(JobError::File)?;
             job.with_mesh(|mesh| mesh.merge(&file.contents))
@@ -260,9 +260,7 @@ impl PyPictureJob {
         let Job { name, options, .. } = &*self.job;
         format!(
             "<lightmesh.PictureJob {}x{} of {name:?} {}>",
-            options.width,
-            options.height,
-            method_name(options.method)
+            options.picture.width, options.picture.height, options.method
         )
     }
 }

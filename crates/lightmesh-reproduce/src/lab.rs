@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use lightmesh::metrics::difference;
 use lightmesh::{
-    Camera, EmitterOptions, Image, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene, SceneData, Spacing,
-    render,
+    Camera, EmitterOptions, Image, LightMesh, Method, PictureOptions, Progress, RenderOptions, RenderStats, Scene,
+    SceneData, Spacing, render,
 };
 
 use crate::error::Error;
@@ -125,8 +125,8 @@ impl<'a> Lab<'a> {
 
     /// Renders a picture.
     fn take(&self, place: &Place, options: &RenderOptions) -> Result<Shot, Error> {
-        let RenderOptions { method, width, height, .. } = options;
-        self.watcher.picture(&format!("{method:?}, {width} × {height}"));
+        let PictureOptions { width, height, .. } = options.picture;
+        self.watcher.picture(&format!("{}, {width} × {height}", options.method));
         let mut mesh = LightMesh::new(&place.scene, options)?;
         let frame = render(&place.scene, &place.camera, options, &mut mesh, &Stop(self.watcher))?;
         Ok(Shot { image: frame.image, stats: frame.stats })
@@ -181,15 +181,14 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// Options for direct light at pixel centres, with a mesh of this many points along the longest edge of the scene.
 pub(crate) fn direct(method: Method, size: (u32, u32), points: f32) -> RenderOptions {
     let (width, height) = size;
-    RenderOptions {
-        method,
-        width,
-        height,
-        spp: 1,
-        bounces: 0,
-        spacing: Spacing::Fraction(points),
-        ..RenderOptions::default()
-    }
+    RenderOptions::default().with(|o| {
+        o.method = method;
+        o.picture.width = width;
+        o.picture.height = height;
+        o.picture.spp = 1;
+        o.transport.bounces = 0;
+        o.mesh.spacing = Spacing::Fraction(points);
+    })
 }
 
 #[cfg(test)]

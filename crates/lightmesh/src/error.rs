@@ -23,6 +23,42 @@ pub enum Error {
         /// The range and the value that was given.
         what: String,
     },
+    /// A mesh that was made for other options or another picture.
+    #[error("the mesh {what}")]
+    IncompatibleMesh {
+        /// What differs, with both values.
+        what: String,
+    },
+    /// Bricks that a mesh does not have.
+    #[error("bricks: {what}")]
+    InvalidBricks {
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// Waves that a picture does not have.
+    #[error("waves: {what}")]
+    InvalidWaves {
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// Parts that do not make up a picture.
+    #[error("portions: {what}")]
+    InvalidPortions {
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// Outlines of emitters that a picture does not have.
+    #[error("outlines: {what}")]
+    InvalidOutlines {
+        /// What is wrong and what to check.
+        what: String,
+    },
+    /// A reflection whose light cannot be computed yet, or from what was given.
+    #[error("reflections: {what}")]
+    InvalidReflection {
+        /// What is wrong and what to check.
+        what: String,
+    },
     /// A meter whose position or normal is no valid vector.
     #[error("meter {index}: {what}")]
     InvalidMeter {

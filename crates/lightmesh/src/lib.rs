@@ -44,7 +44,7 @@
 //! })?;
 //!
 //! // Two pictures; the second only reads what the first one filled.
-//! let options = RenderOptions { width: 64, height: 48, ..RenderOptions::default() };
+//! let options = RenderOptions::default().with(|o| (o.picture.width, o.picture.height) = (64, 48));
 //! let camera = Camera::look_at(Vec3::new(2.0, 2.0, 6.0), Vec3::new(2.0, 0.5, 2.0), 0.8);
 //! let mut mesh = LightMesh::new(&scene, &options)?;
 //! let first = render(&scene, &camera, &options, &mut mesh, &())?;
@@ -88,7 +88,8 @@ pub use interaction::Meter;
 pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, LightMesh, PointSnapshot, Snapshot};
 pub use mesh::LatticeShape;
 pub use options::{
-    Aov, Aovs, Falloff, Interpolation, Layer, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Spacing,
+    Aov, Aovs, Falloff, Interpolation, KeyDifference, Layer, Limits, MeshKey, MeshOptions, Method, MissingCorners,
+    PaperScale, PictureOptions, PointWeight, RenderOptions, Spacing, TransportOptions, schema,
 };
 pub use progress::{Progress, Stage};
 pub use scene::{

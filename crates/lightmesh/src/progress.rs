@@ -21,7 +21,7 @@ pub enum Stage {
     /// Sampling pixels on emitter edges again, with more samples; counts samples.
     EmitterEdges,
     /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::options::Method::Path)
-    /// [`RenderOptions::spp`](crate::options::RenderOptions::spp).
+    /// [`PictureOptions::spp`](crate::PictureOptions::spp).
     Measure,
     /// Evaluating mesh points before they are read; counts the requested points.
     Fill,

@@ -36,7 +36,7 @@ fn relrmse(a: &Image, b: &Image) -> f64 {
 fn hybrid_is_nearly_exact() {
     let scene = hall();
     let picture = |method| shoot(&scene, &room_camera(), &options(method));
-    let (truth, mesh, hybrid) = (picture(Method::Standard), picture(Method::Mesh), picture(Method::Hybrid));
+    let (truth, mesh, hybrid) = (picture(Method::Standard), picture(Method::MESH), picture(Method::Hybrid));
     let [mesh_error, hybrid_error] = [&mesh, &hybrid].map(|frame| relrmse(&frame.image, &truth.image));
     assert!(hybrid_error < 0.02 && hybrid_error < 0.3 * mesh_error, "{hybrid_error}, mesh {mesh_error}");
     assert!(hybrid.stats.rays.shadow < truth.stats.rays.shadow);
@@ -49,7 +49,7 @@ fn hybrid_is_nearly_exact() {
 #[test]
 fn both_halves_of_a_seed_choose_the_shadow_rays() {
     let scene = hall();
-    for base in [options(Method::Hybrid), RenderOptions { error: Some(0.05), ..options(Method::Mesh) }] {
+    for base in [options(Method::Hybrid), options(Method::with_error(0.05))] {
         let [zero, upper, both] = [0, 1 << 32, 0x1_0000_0001]
             .map(|seed| shoot(&scene, &room_camera(), &RenderOptions { seed, ..base.clone() }).image);
         assert!(zero != upper && zero != both && upper != both, "{:?}", base.method);
@@ -64,12 +64,15 @@ fn unbiased_light_has_no_bias() {
     const SEEDS: u64 = 64;
     let scene = hall();
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
-    let mut mesh = LightMesh::new(&scene, &options(Method::Unbiased)).expect("mesh");
+    let mut mesh = LightMesh::new(&scene, &options(Method::UNBIASED)).expect("mesh");
     // 8 × 6 tiles, and all of them.
     let mut sums = [(0.0_f64, 0.0_f64); 49];
     let mut light = [0.0_f64; 49];
     for seed in 0..SEEDS {
-        let options = RenderOptions { seed, rays: 4, ..options(Method::Unbiased) };
+        let options = options(Method::UNBIASED).with(|o| {
+            o.seed = seed;
+            o.method = Method::unbiased(4);
+        });
         let image = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame").image;
         let mut differences = [0.0; 49];
         for (i, (p, t)) in image.pixels.iter().zip(&truth.pixels).enumerate() {
@@ -100,7 +103,7 @@ fn unbiased_light_converges() {
     let scene = hall();
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
     let error = |rays| {
-        let options = RenderOptions { rays, ..options(Method::Unbiased) };
+        let options = options(Method::UNBIASED).with(|o| o.method = Method::unbiased(rays));
         relrmse(&shoot(&scene, &room_camera(), &options).image, &truth)
     };
     let (two, many) = (error(2), error(32));
@@ -114,12 +117,12 @@ fn unbiased_light_converges() {
 fn indirect_light_of_both_methods_is_that_of_the_mesh() {
     let scene = hall();
     let mean = |method| {
-        let options = RenderOptions { bounces: 2, ..options(method) };
+        let options = options(method).with(|o| o.transport.bounces = 2);
         let image = shoot(&scene, &room_camera(), &options).image;
         image.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
     };
-    let mesh = mean(Method::Mesh);
-    for method in [Method::Hybrid, Method::Unbiased] {
+    let mesh = mean(Method::MESH);
+    for method in [Method::Hybrid, Method::UNBIASED] {
         assert!((mean(method) / mesh - 1.0).abs() < 0.03, "{method:?}: {} and {mesh}", mean(method));
     }
 }
@@ -130,14 +133,13 @@ fn indirect_light_of_both_methods_is_that_of_the_mesh() {
 fn unbiased_indirect_light_is_that_of_paths() {
     let scene = hall();
     let light = |method, spp, seed| {
-        let options = RenderOptions {
-            bounces: 3,
-            spp,
-            seed,
-            indirect_spacing: Spacing::Metres(1.0),
-            gather_rays: 16,
-            ..options(method)
-        };
+        let options = options(method).with(|o| {
+            o.transport.bounces = 3;
+            o.picture.spp = spp;
+            o.seed = seed;
+            o.mesh.indirect_spacing = Spacing::Metres(1.0);
+            o.mesh.gather_rays = 16;
+        });
         let image = shoot(&scene, &room_camera(), &options).image;
         image.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
     };
@@ -148,7 +150,7 @@ fn unbiased_indirect_light_is_that_of_paths() {
         let mean = lights.iter().sum::<f64>() / n;
         (mean, lights.iter().map(|l| (l - mean).powi(2)).sum::<f64>() / (n - 1.0) / n)
     };
-    let (paths, unbiased) = (mean(Method::Path, 16), mean(Method::Unbiased, 2));
+    let (paths, unbiased) = (mean(Method::Path, 16), mean(Method::UNBIASED, 2));
     let error = (paths.1 + unbiased.1).sqrt();
     assert!(error < 0.002 * paths.0, "{error} of {}", paths.0);
     // Student's t with some 30 degrees of freedom: beyond 4.5 once in 10,000.
@@ -163,11 +165,17 @@ fn unbiased_indirect_light_is_that_of_paths() {
 fn error_bounds_are_kept() {
     let scene = hall();
     let camera = room_camera();
-    let sized = |method| RenderOptions { width: 160, height: 120, spp: 2, ..options(method) };
+    let sized = |method| {
+        options(method).with(|o| {
+            o.picture.width = 160;
+            o.picture.height = 120;
+            o.picture.spp = 2;
+        })
+    };
     let truth = shoot(&scene, &camera, &sized(Method::Standard));
     let mut rays = 0;
     for bound in [0.1, 0.05, 0.02] {
-        let options = RenderOptions { error: Some(bound), ..sized(Method::Mesh) };
+        let options = sized(Method::MESH).with(|o| o.method = Method::with_error(bound));
         let frame = shoot(&scene, &camera, &options);
         let (error, estimate) = (relrmse(&frame.image, &truth.image), frame.stats.estimated_error.expect("estimate"));
         let bound = f64::from(bound);
@@ -182,8 +190,8 @@ fn error_bounds_are_kept() {
 #[test]
 fn few_lights_are_traced() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { spp: 2, ..options(Method::Mesh) };
-    let frame = shoot(&scene, &room_camera(), &RenderOptions { error: Some(0.05), ..options.clone() });
+    let options = options(Method::MESH).with(|o| o.picture.spp = 2);
+    let frame = shoot(&scene, &room_camera(), &options.clone().with(|o| o.method = Method::with_error(0.05)));
     let truth = shoot(&scene, &room_camera(), &RenderOptions { method: Method::Standard, ..options });
     assert_eq!(frame.image, truth.image);
     assert_eq!(frame.stats.estimated_error, Some(0.0));
@@ -194,13 +202,18 @@ fn few_lights_are_traced() {
 fn refined_meshes_are_better() {
     let scene = hall();
     let camera = fence_camera();
-    let sized =
-        |method| RenderOptions { width: 128, height: 96, interpolation: Interpolation::Trilinear, ..options(method) };
+    let sized = |method| {
+        options(method).with(|o| {
+            o.picture.width = 128;
+            o.picture.height = 96;
+            o.mesh.interpolation = Interpolation::Trilinear;
+        })
+    };
     let truth = shoot(&scene, &camera, &sized(Method::Standard)).image;
-    for (method, at_most) in [(Method::Mesh, 0.9), (Method::Paper, 0.95), (Method::Unbiased, 0.95)] {
+    for (method, at_most) in [(Method::MESH, 0.9), (Method::PAPER, 0.95), (Method::unbiased(2), 0.95)] {
         let mut last = f64::INFINITY;
         for levels in 0..=2 {
-            let options = RenderOptions { refine: Some(levels), rays: 2, ..sized(method) };
+            let options = sized(method).with(|o| o.mesh.refine = Some(levels));
             let frame = shoot(&scene, &camera, &options);
             let error = relrmse(&frame.image, &truth);
             assert!(error < at_most * last, "{method:?}, {levels}: {error} after {last}");
@@ -215,11 +228,11 @@ fn refined_meshes_are_better() {
 fn refinement_keeps_to_the_memory_limit() {
     let scene = hall();
     let camera = fence_camera();
-    let options = RenderOptions { refine: Some(3), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.mesh.refine = Some(3));
     let all = shoot(&scene, &camera, &options);
     // A point takes 192 B of values and some 50 B besides.
     let max_memory = 2 * (all.stats.direct.bytes - 150 * all.stats.direct.points_refined);
-    let some = shoot(&scene, &camera, &RenderOptions { max_memory, ..options });
+    let some = shoot(&scene, &camera, &options.with(|o| o.limits.max_memory = max_memory));
     let [all, some] = [all, some].map(|frame| frame.stats.direct.points_refined);
     assert!(0 < some && some < all, "{some} of {all}");
 }
@@ -229,16 +242,22 @@ fn refinement_keeps_to_the_memory_limit() {
 fn what_came_before_does_not_matter() {
     let scene = hall();
     let elsewhere = Camera::look_at(Vec3::new(-1.5, 2.5, -1.5), Vec3::new(0.0, 0.5, 0.5), 1.0);
-    let with = |method, refine, error| RenderOptions { refine, error, bounces: 1, spp: 2, ..options(method) };
+    let with = |method, refine| {
+        options(method).with(|o| {
+            o.mesh.refine = refine;
+            o.transport.bounces = 1;
+            o.picture.spp = 2;
+        })
+    };
     for options in [
-        with(Method::Hybrid, None, None),
-        with(Method::Hybrid, Some(1), None),
-        with(Method::Unbiased, None, None),
-        with(Method::Unbiased, Some(1), None),
-        with(Method::Mesh, Some(2), None),
-        with(Method::Mesh, None, Some(0.05)),
+        with(Method::Hybrid, None),
+        with(Method::Hybrid, Some(1)),
+        with(Method::UNBIASED, None),
+        with(Method::UNBIASED, Some(1)),
+        with(Method::MESH, Some(2)),
+        with(Method::with_error(0.05), None),
     ] {
-        let options = RenderOptions { gather_rays: 32, ..options };
+        let options = options.with(|o| o.mesh.gather_rays = 32);
         let first = shoot(&scene, &room_camera(), &options).image;
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         render(&scene, &elsewhere, &options, &mut mesh, &()).expect("frame");
@@ -253,17 +272,19 @@ fn options_that_do_not_go_together_are_refused() {
         Err(Error::InvalidOption { option, .. }) => assert_eq!(option, word),
         other => panic!("{other:?}"),
     };
-    refused(RenderOptions { error: Some(0.0), ..options(Method::Mesh) }, "error");
-    refused(RenderOptions { error: Some(0.05), ..options(Method::Path) }, "error");
-    refused(RenderOptions { rays: 0, ..options(Method::Unbiased) }, "rays");
-    refused(RenderOptions { refine: Some(5), ..options(Method::Mesh) }, "refine");
-    refused(RenderOptions { refine: Some(1), ..options(Method::Standard) }, "refine");
-    refused(RenderOptions { refine: Some(1), ..options(Method::Paper) }, "interpolation");
+    refused(options(Method::MESH).with(|o| o.method = Method::with_error(0.0)), "error");
+    refused(options(Method::UNBIASED).with(|o| o.method = Method::unbiased(0)), "rays");
+    refused(options(Method::MESH).with(|o| o.mesh.refine = Some(5)), "refine");
+    refused(options(Method::Standard).with(|o| o.mesh.refine = Some(1)), "refine");
+    refused(options(Method::PAPER).with(|o| o.mesh.refine = Some(1)), "interpolation");
     let sphere = Interpolation::Sphere { radius: 1.5 };
-    refused(RenderOptions { interpolation: sphere, ..options(Method::Hybrid) }, "interpolation");
+    refused(options(Method::Hybrid).with(|o| o.mesh.interpolation = sphere), "interpolation");
     refused(
-        RenderOptions { interpolation: Interpolation::Nearest, refine: Some(1), ..options(Method::Mesh) },
+        options(Method::MESH).with(|o| {
+            o.mesh.interpolation = Interpolation::Nearest;
+            o.mesh.refine = Some(1);
+        }),
         "interpolation",
     );
-    assert!(RenderOptions { spacing: Spacing::Auto, ..options(Method::Hybrid) }.validate().is_ok());
+    assert!(options(Method::Hybrid).with(|o| o.mesh.spacing = Spacing::Auto).validate().is_ok());
 }

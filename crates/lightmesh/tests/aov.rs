@@ -7,7 +7,7 @@ use lightmesh::{
     Aov, Aovs, Camera, Error, Frame, LightMesh, Material, Method, Projection, RenderOptions, Scene, render,
 };
 
-const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
+const METHODS: [Method; 4] = [Method::Standard, Method::MESH, Method::PAPER, Method::Path];
 
 /// All layers that a method has.
 fn all(method: Method) -> Aovs {
@@ -37,8 +37,14 @@ fn room_with_lamp_and_mirror() -> Scene {
 fn asking_for_layers_changes_no_bit_of_the_picture() {
     let scene = room_with_lamp_and_mirror();
     for method in METHODS {
-        let plain = RenderOptions { spp: 4, bounces: 2, width: 48, height: 36, gather_rays: 16, ..options(method) };
-        let layered = RenderOptions { aovs: all(method), ..plain.clone() };
+        let plain = options(method).with(|o| {
+            o.picture.spp = 4;
+            o.transport.bounces = 2;
+            o.picture.width = 48;
+            o.picture.height = 36;
+            o.mesh.gather_rays = 16;
+        });
+        let layered = plain.clone().with(|o| o.picture.aovs = all(method));
         let (a, b) = (shoot(&scene, &room_camera(), &plain), shoot(&scene, &room_camera(), &layered));
         assert_eq!(a.image, b.image, "{method:?}");
         assert!(a.layers.is_empty() && b.layers.iter().map(|layer| layer.aov).eq(all(method).iter()));
@@ -54,7 +60,12 @@ fn asking_for_layers_changes_no_bit_of_the_picture() {
 fn layers_do_not_depend_on_the_number_of_threads() {
     let scene = room_with_lamp_and_mirror();
     for method in METHODS {
-        let options = RenderOptions { spp: 2, bounces: 1, gather_rays: 16, aovs: all(method), ..options(method) };
+        let options = options(method).with(|o| {
+            o.picture.spp = 2;
+            o.transport.bounces = 1;
+            o.mesh.gather_rays = 16;
+            o.picture.aovs = all(method);
+        });
         let with_threads = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
             pool.install(|| shoot(&scene, &room_camera(), &options).layers)
@@ -68,7 +79,12 @@ fn layers_do_not_depend_on_the_number_of_threads() {
 fn direct_and_indirect_light_are_the_picture() {
     let scene = room_with_lamp_and_mirror();
     for method in METHODS {
-        let options = RenderOptions { spp: 4, bounces: 2, gather_rays: 16, aovs: all(method), ..options(method) };
+        let options = options(method).with(|o| {
+            o.picture.spp = 4;
+            o.transport.bounces = 2;
+            o.mesh.gather_rays = 16;
+            o.picture.aovs = all(method);
+        });
         let frame = shoot(&scene, &room_camera(), &options);
         let (direct, indirect) = (colors(&frame, Aov::Direct), colors(&frame, Aov::Indirect));
         for ((&d, &i), &p) in direct.iter().zip(&indirect).zip(&frame.image.pixels) {
@@ -87,7 +103,7 @@ fn direct_and_indirect_light_are_the_picture() {
 fn without_bounces_all_light_is_direct() {
     let scene = Scene::new(room()).expect("scene");
     for method in METHODS {
-        let frame = shoot(&scene, &room_camera(), &RenderOptions { aovs: all(method), ..options(method) });
+        let frame = shoot(&scene, &room_camera(), &options(method).with(|o| o.picture.aovs = all(method)));
         assert_eq!(colors(&frame, Aov::Direct), frame.image.pixels, "{method:?}");
         assert!(values(&frame, Aov::Indirect).iter().all(|&v| v == 0.0), "{method:?}");
     }
@@ -106,7 +122,7 @@ fn a_floor_has_its_albedo_normal_and_depth() {
     let parallel = Camera { projection: Projection::Orthographic { xmag: 2.0, ymag: 1.5 }, ..pinhole.clone() };
     for camera in [pinhole, parallel] {
         for method in METHODS {
-            let frame = shoot(&scene, &camera, &RenderOptions { aovs: all(method), ..options(method) });
+            let frame = shoot(&scene, &camera, &options(method).with(|o| o.picture.aovs = all(method)));
             let (mut hit, mut missed) = (0, 0);
             for (i, &depth) in values(&frame, Aov::Depth).iter().enumerate() {
                 let rays = camera.film(64, 48);
@@ -141,7 +157,7 @@ fn a_mirrored_sphere_has_its_own_normal_and_colour() {
     data.lights.push(point_light(Vec3::new(0.0, 4.0, 0.0), Vec3::splat(100.0)));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 1.0, 5.0), center, 0.2);
-    let frame = shoot(&scene, &camera, &RenderOptions { aovs: all(Method::Mesh), ..options(Method::Mesh) });
+    let frame = shoot(&scene, &camera, &options(Method::MESH).with(|o| o.picture.aovs = all(Method::MESH)));
     for (i, &depth) in values(&frame, Aov::Depth).iter().enumerate() {
         let ray = camera.film(64, 48).ray((i % 64) as f32 + 0.5, (i / 64) as f32 + 0.5);
         let p = ray.at(depth / -ray.direction.z);
@@ -161,7 +177,10 @@ fn edges_do_not_average_depth_with_the_background() {
     data.lights.push(point_light(Vec3::new(0.0, 4.0, 0.0), Vec3::splat(100.0)));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 2.0, 0.0), Vec3::new(0.0, 1.5, -8.0), 1.0);
-    let options = RenderOptions { spp: 16, aovs: all(Method::Standard), ..options(Method::Standard) };
+    let options = options(Method::Standard).with(|o| {
+        o.picture.spp = 16;
+        o.picture.aovs = all(Method::Standard);
+    });
     let frame = shoot(&scene, &camera, &options);
     let mut partly = 0;
     for (&depth, albedo) in values(&frame, Aov::Depth).iter().zip(colors(&frame, Aov::Albedo)) {
@@ -181,7 +200,10 @@ fn outlines_of_lamps_have_the_layers_of_their_own_samples() {
     place(&mut data, quad([c(-0.51, -0.51), c(0.51, -0.51), c(0.51, 0.51), c(-0.51, 0.51)], 1));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 2.0, 0.0), 1.8);
-    let options = RenderOptions { spp: 4, aovs: all(Method::Standard), ..options(Method::Standard) };
+    let options = options(Method::Standard).with(|o| {
+        o.picture.spp = 4;
+        o.picture.aovs = all(Method::Standard);
+    });
     let frame = shoot(&scene, &camera, &options);
     let mut finer = 0;
     for ((p, normal), &depth) in
@@ -199,7 +221,7 @@ fn outlines_of_lamps_have_the_layers_of_their_own_samples() {
 #[test]
 fn mesh_points_fail_near_obstacles_only() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { aovs: all(Method::Mesh), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.picture.aovs = all(Method::MESH));
     let frame = shoot(&scene, &room_camera(), &options);
     let (valid, depth) = (values(&frame, Aov::MeshValid), values(&frame, Aov::Depth));
     let (mut open, mut beside) = (0, 0);
@@ -232,7 +254,7 @@ fn mesh_points_inside_solids_are_seen_and_fail() {
     data.lights.push(point_light(Vec3::new(0.0, 4.0, 0.0), Vec3::splat(100.0)));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 4.0, 0.01), Vec3::ZERO, 0.3);
-    let options = RenderOptions { aovs: all(Method::Mesh), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.picture.aovs = all(Method::MESH));
     let frame = shoot(&scene, &camera, &options);
     assert!(frame.stats.direct.points_invalid > 0);
     let least = values(&frame, Aov::MeshValid).iter().copied().fold(1.0, f32::min);
@@ -247,7 +269,7 @@ fn mesh_points_inside_solids_are_seen_and_fail() {
 #[test]
 fn points_behind_a_wall_are_not_seen() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { aovs: all(Method::Mesh), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.picture.aovs = all(Method::MESH));
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let drawn = |camera: &Camera, mesh: &mut LightMesh| {
         let frame = render(&scene, camera, &options, mesh, &()).expect("frame");
@@ -264,7 +286,7 @@ fn layers_of_a_mesh_need_one() {
     let scene = Scene::new(room()).expect("scene");
     for method in [Method::Standard, Method::Path] {
         for aov in [Aov::MeshLevel, Aov::MeshValid, Aov::Points] {
-            let options = RenderOptions { aovs: [aov].into_iter().collect(), ..options(method) };
+            let options = options(method).with(|o| o.picture.aovs = [aov].into_iter().collect());
             let mut mesh = LightMesh::new(&scene, &RenderOptions::default()).expect("mesh");
             let error = render(&scene, &room_camera(), &options, &mut mesh, &()).expect_err("no mesh").to_string();
             assert!(error.contains(aov.name()) && error.contains("standard and path do not"), "{error}");
@@ -275,8 +297,12 @@ fn layers_of_a_mesh_need_one() {
 /// 28 bytes a pixel for the picture, 12 more for a colour.
 #[test]
 fn layers_are_counted_before_they_are_allocated() {
-    let plain = RenderOptions { width: 1000, height: 1000, max_memory: 39_999_999, ..RenderOptions::default() };
+    let plain = RenderOptions::default().with(|o| {
+        o.picture.width = 1000;
+        o.picture.height = 1000;
+        o.limits.max_memory = 39_999_999;
+    });
     plain.check_picture_memory().expect("28 MB fit");
-    let layered = RenderOptions { aovs: [Aov::Albedo].into_iter().collect(), ..plain };
+    let layered = plain.with(|o| o.picture.aovs = [Aov::Albedo].into_iter().collect());
     assert!(matches!(layered.check_picture_memory(), Err(Error::OutOfMemory { needed_bytes: 40_000_000, .. })));
 }

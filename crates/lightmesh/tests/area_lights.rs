@@ -6,11 +6,11 @@ use crate::common::*;
 use glam::{Vec2, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{
-    Camera, Filter, ImageData, Material, Method, RenderOptions, Scene, SceneData, Spacing, Texels, Texture, TextureRef,
-    UvTransform, Wrap,
+    Camera, Filter, ImageData, Material, Method, Scene, SceneData, Spacing, Texels, Texture, TextureRef, UvTransform,
+    Wrap,
 };
 
-const METHODS: [Method; 3] = [Method::Standard, Method::Mesh, Method::Path];
+const METHODS: [Method; 3] = [Method::Standard, Method::MESH, Method::Path];
 
 /// A black surface that shines.
 fn lamp(emission: f32) -> Material {
@@ -29,7 +29,12 @@ fn hang(data: &mut SceneData, material: Material, height: f32, a: f32, b: f32) {
 /// Mean radiance of the floor's spot at the origin.
 fn spot(scene: &Scene, method: Method) -> f32 {
     let spp = if method == Method::Path { 4096 } else { 1 };
-    let options = RenderOptions { width: 1, height: 1, spp, spacing: Spacing::Metres(0.25), ..options(method) };
+    let options = options(method).with(|o| {
+        o.picture.width = 1;
+        o.picture.height = 1;
+        o.picture.spp = spp;
+        o.mesh.spacing = Spacing::Metres(0.25);
+    });
     let camera = Camera::look_at(Vec3::new(0.0, 0.3, 0.0), Vec3::ZERO, 0.001);
     shoot(scene, &camera, &options).image.pixels[0].x
 }
@@ -125,11 +130,15 @@ fn emission_counts_once_whether_it_is_sampled_or_gathered() {
         hang(&mut data, Material { double_sided: true, ..lamp(emission) }, 2.7, size, size);
         let scene = Scene::new(data).expect("scene");
         let gi = |method, spp| {
-            let mesh = RenderOptions { bounces: 3, spp, indirect_spacing: Spacing::Metres(0.2), ..options(method) };
+            let mesh = options(method).with(|o| {
+                o.transport.bounces = 3;
+                o.picture.spp = spp;
+                o.mesh.indirect_spacing = Spacing::Metres(0.2);
+            });
             let pixels = shoot(&scene, &room_camera(), &mesh).image.pixels;
             pixels.iter().sum::<Vec3>() / pixels.len() as f32
         };
-        let (mesh, path) = (gi(Method::Mesh, 1), gi(Method::Path, 64));
+        let (mesh, path) = (gi(Method::MESH, 1), gi(Method::Path, 64));
         let off = (mesh / path - Vec3::ONE).abs().max_element();
         assert!(off < 0.06, "emission {emission}: {mesh} {path}");
     }

@@ -9,16 +9,15 @@ use lightmesh::{
     SceneData, Snapshot, Spacing, render,
 };
 
-const METHODS: [Method; 4] = [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased];
+const METHODS: [Method; 4] = [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED];
 
 fn with_bounces(method: Method, bounces: u32) -> RenderOptions {
-    RenderOptions {
-        bounces,
-        gather_rays: 64,
-        spacing: Spacing::Metres(0.3),
-        indirect_spacing: Spacing::Metres(0.6),
-        ..options(method)
-    }
+    options(method).with(|o| {
+        o.transport.bounces = bounces;
+        o.mesh.gather_rays = 64;
+        o.mesh.spacing = Spacing::Metres(0.3);
+        o.mesh.indirect_spacing = Spacing::Metres(0.6);
+    })
 }
 
 fn other_camera() -> Camera {
@@ -48,7 +47,8 @@ fn check_shared(scene: &Scene, options: &RenderOptions) -> (Image, Snapshot) {
     let mut first = LightMesh::new(scene, options).expect("mesh");
     shot(scene, &room_camera(), options, &mut first);
     let contents = first.snapshot_since(&Cursor::default());
-    let what = || format!("{:?}, {} bounces, refined {:?}", options.method, options.bounces, options.refine);
+    let what =
+        || format!("{:?}, {} bounces, refined {:?}", options.method, options.transport.bounces, options.mesh.refine);
 
     let mut second = LightMesh::new(scene, options).expect("mesh");
     second.merge(&contents).expect("absorbed");
@@ -95,7 +95,7 @@ fn clusters_of_lights_travel_too() {
     for method in METHODS {
         for bounces in [0, 2] {
             let (_, contents) = check_shared(&scene, &with_bounces(method, bounces));
-            let by_light = matches!(method, Method::Hybrid | Method::Unbiased);
+            let by_light = matches!(method, Method::Hybrid | Method::Unbiased { .. });
             assert_eq!(matches!(contents.direct.values, DirectValues::Runs { .. }), by_light, "{method:?}");
         }
     }
@@ -104,10 +104,8 @@ fn clusters_of_lights_travel_too() {
 #[test]
 fn finer_levels_travel_too() {
     let scene = Scene::new(room()).expect("scene");
-    for (method, refine, error) in
-        [(Method::Mesh, Some(2), None), (Method::Hybrid, Some(1), None), (Method::Mesh, None, Some(0.05))]
-    {
-        let (_, contents) = check_shared(&scene, &RenderOptions { refine, error, ..with_bounces(method, 2) });
+    for (method, refine) in [(Method::MESH, Some(2)), (Method::Hybrid, Some(1)), (Method::with_error(0.05), None)] {
+        let (_, contents) = check_shared(&scene, &with_bounces(method, 2).with(|o| o.mesh.refine = refine));
         let levels = contents.direct.points.lattices.len();
         assert_eq!(levels, 1 + refine.unwrap_or(2) as usize);
         let finest = |points: &lightmesh::PointSnapshot| points.addresses.iter().map(|a| a[0]).max();
@@ -163,7 +161,7 @@ fn numbers_are_what_the_documentation_says() {
     let lamp = Vec3::new(0.3, 2.0, 0.2);
     data.lights.push(point_light(lamp, Vec3::new(100.0, 50.0, 25.0)));
     let scene = Scene::new(data).expect("scene");
-    let options = RenderOptions { spacing: Spacing::Metres(1.0), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Metres(1.0));
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     shot(&scene, &Camera::look_at(Vec3::new(0.0, 5.0, 0.1), Vec3::ZERO, 1.0), &options, &mut mesh);
     let contents = mesh.snapshot_since(&Cursor::default()).direct;
@@ -187,7 +185,7 @@ fn numbers_are_what_the_documentation_says() {
     place(&mut data, inside_out(cuboid(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 3.0, 2.0), 0)));
     place(&mut data, cuboid(Vec3::new(-0.5, 0.0, -0.6), Vec3::new(0.6, 1.0, 0.5), 0));
     let scene = Scene::new(data).expect("scene");
-    let options = with_bounces(Method::Mesh, 4);
+    let options = with_bounces(Method::MESH, 4);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     shot(&scene, &room_camera(), &options, &mut mesh);
     let contents = mesh.snapshot_since(&Cursor::default()).indirect.expect("indirect");
@@ -223,14 +221,22 @@ fn contents_that_do_not_fit_change_nothing() {
         let mut bad = contents(scene, options);
         change(&mut bad);
         let mut mesh = LightMesh::new(scene, options).expect("mesh");
-        shot(scene, &other_camera(), &RenderOptions { width: 8, height: 6, ..options.clone() }, &mut mesh);
+        shot(
+            scene,
+            &other_camera(),
+            &options.clone().with(|o| {
+                o.picture.width = 8;
+                o.picture.height = 6;
+            }),
+            &mut mesh,
+        );
         let before = mesh.snapshot_since(&Cursor::default());
         let error = mesh.merge(&bad).expect_err(words);
         assert!(matches!(error, Error::InvalidContents { .. }), "{error}");
         assert!(error.to_string().contains(words), "{error}, not {words}");
         assert_eq!(mesh.snapshot_since(&Cursor::default()), before, "{words}");
     };
-    let mesh = with_bounces(Method::Mesh, 2);
+    let mesh = with_bounces(Method::MESH, 2);
     let by_mesh = |change: &dyn Fn(&mut Snapshot), words| check(&scene, &mesh, change, words);
     by_mesh(&|c| c.direct.points.lattices[0].spacing *= 2.0, "direct lattice, level 0: is");
     by_mesh(&|c| c.direct.points.lattices[0].origin[1] = f32::NAN, "direct lattice, level 0: is");
@@ -257,7 +263,7 @@ fn contents_that_do_not_fit_change_nothing() {
     indirect(&|c| c.values.extend([0.0; 18]), "indirect values: has");
     indirect(&|c| c.points.addresses[0][3] = 1000, "indirect addresses, point 0");
     indirect(&|c| c.hit_irradiance = f64::NAN, "the sum at gather hits is NaN");
-    let direct = with_bounces(Method::Mesh, 0);
+    let direct = with_bounces(Method::MESH, 0);
     let indirect_of = |c: &mut Snapshot| c.indirect = contents(&scene, &mesh).indirect;
     check(&scene, &direct, &indirect_of, "indirect: is given");
 
@@ -289,7 +295,7 @@ fn contents_that_do_not_fit_change_nothing() {
 
     // Memory is checked before any of it is taken.
     let all = contents(&scene, &mesh);
-    let tight = RenderOptions { max_memory: 100_000, ..mesh };
+    let tight = mesh.with(|o| o.limits.max_memory = 100_000);
     let mut small = LightMesh::new(&scene, &tight).expect("mesh");
     assert!(matches!(small.merge(&all), Err(Error::OutOfMemory { .. })) && small.stats().points_used == 0);
 }

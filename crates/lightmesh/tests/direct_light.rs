@@ -15,7 +15,7 @@ fn a_point_light_over_a_floor_is_albedo_over_pi_times_intensity_cos_over_r_squar
     data.lights.push(point_light(Vec3::new(0.5, 2.0, 0.25), Vec3::new(30.0, 20.0, 10.0)));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 5.0, 0.01), Vec3::ZERO, 0.8);
-    for method in [Method::Standard, Method::Mesh, Method::Paper, Method::Path] {
+    for method in [Method::Standard, Method::MESH, Method::PAPER, Method::Path] {
         let options = options(method);
         let frame = shoot(&scene, &camera, &options);
         let film = [(10, 7), (32, 24), (63, 40)];
@@ -49,7 +49,7 @@ fn the_papers_falloff_replaces_r_squared() {
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 5.0, 0.0), Vec3::ZERO, 0.01);
     let falloff = lightmesh::Falloff::ConstantPlusDistance { constant: 0.5 };
-    let frame = shoot(&scene, &camera, &lightmesh::RenderOptions { falloff, ..options(Method::Standard) });
+    let frame = shoot(&scene, &camera, &options(Method::Standard).with(|o| o.transport.falloff = falloff));
     let expected = 3.0 / PI / (0.5 + 2.0);
     assert!((frame.image.pixels[24 * 64 + 32].x - expected).abs() < 1e-3 * expected);
 }
@@ -71,15 +71,15 @@ fn refining_the_mesh_brings_it_closer_to_standard() {
     let scene = Scene::new(room()).expect("scene");
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard));
     let error = |method, spacing| {
-        let options = lightmesh::RenderOptions { spacing: Spacing::Metres(spacing), ..options(method) };
+        let options = options(method).with(|o| o.mesh.spacing = Spacing::Metres(spacing));
         difference(&shoot(&scene, &room_camera(), &options).image.pixels, &truth.image.pixels).relrmse
     };
-    let ladder = [0.4, 0.2, 0.1, 0.05].map(|h| error(Method::Mesh, h));
+    let ladder = [0.4, 0.2, 0.1, 0.05].map(|h| error(Method::MESH, h));
     assert!(
         ladder[0] < 0.06 && ladder[1] < 0.7 * ladder[0] && ladder[2] < ladder[1] && ladder[3] < 0.8 * ladder[2],
         "{ladder:?}"
     );
-    let papers = [0.1, 0.05].map(|h| error(Method::Paper, h));
+    let papers = [0.1, 0.05].map(|h| error(Method::PAPER, h));
     assert!(papers[1] > 0.8 * papers[0] && papers[1] > 1.5 * ladder[3], "{papers:?} {ladder:?}");
 }
 
@@ -89,8 +89,10 @@ fn neighbourhoods_agree_and_the_mesh_is_lazy() {
     let scene = Scene::new(room()).expect("scene");
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard));
     for interpolation in [Interpolation::Trilinear, Interpolation::Sphere { radius: 1.5 }, Interpolation::Nearest] {
-        let options =
-            lightmesh::RenderOptions { interpolation, spacing: Spacing::Metres(0.1), ..options(Method::Mesh) };
+        let options = options(Method::MESH).with(|o| {
+            o.mesh.interpolation = interpolation;
+            o.mesh.spacing = Spacing::Metres(0.1);
+        });
         let frame = shoot(&scene, &room_camera(), &options);
         let d = difference(&frame.image.pixels, &truth.image.pixels);
         let stats = frame.stats.direct;
@@ -107,7 +109,8 @@ fn the_papers_literal_form_is_scaled_by_one_constant() {
     data.lights.push(Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::splat(2.0) });
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 5.0, 0.0), Vec3::ZERO, 0.3);
-    let options = lightmesh::RenderOptions { paper_scale: PaperScale::Constant, ..options(Method::Paper) };
+    let options =
+        options(Method::Paper { scale: PaperScale::Constant, field_falloff: lightmesh::Falloff::InverseSquare });
     let frame = shoot(&scene, &camera, &options);
     for p in &frame.image.pixels {
         assert!((p.x - 2.0 / PI).abs() < 1e-4, "{p}");
@@ -120,7 +123,7 @@ fn the_papers_literal_form_is_scaled_by_one_constant() {
 fn samples_do_not_multiply_the_fill() {
     let scene = Scene::new(room()).expect("scene");
     let used = |spp| {
-        let options = lightmesh::RenderOptions { spp, ..options(Method::Mesh) };
+        let options = options(Method::MESH).with(|o| o.picture.spp = spp);
         shoot(&scene, &room_camera(), &options).stats.direct.points_used
     };
     assert!(used(16) < used(1) + used(1) / 5, "{} {}", used(16), used(1));

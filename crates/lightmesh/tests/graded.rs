@@ -6,7 +6,11 @@ use lightmesh::{Aov, Camera, Error, Frame, Interpolation, LightMesh, Method, Ren
 
 fn with(method: Method, graded: Option<f32>) -> RenderOptions {
     let aovs = [Aov::Depth, Aov::MeshLevel].into_iter().collect();
-    RenderOptions { graded, aovs, interpolation: Interpolation::Trilinear, ..options(method) }
+    options(method).with(|o| {
+        o.mesh.lod_distance = graded;
+        o.picture.aovs = aovs;
+        o.mesh.interpolation = Interpolation::Trilinear;
+    })
 }
 
 fn values(frame: &Frame, aov: Aov) -> &[f32] {
@@ -26,10 +30,15 @@ fn error(frame: &Frame, truth: &Frame, choose: impl Fn(usize) -> bool) -> f64 {
 #[test]
 fn what_is_near_is_nearer_to_the_truth() {
     let scene = Scene::new(room()).expect("scene");
-    let sized = |graded| RenderOptions { width: 128, height: 96, ..with(Method::Mesh, graded) };
+    let sized = |graded| {
+        with(Method::MESH, graded).with(|o| {
+            o.picture.width = 128;
+            o.picture.height = 96;
+        })
+    };
     let shot = |options: &RenderOptions| shoot(&scene, &room_camera(), options);
     let (plain, near, all) = (shot(&sized(None)), shot(&sized(Some(3.5))), shot(&sized(Some(1e6))));
-    let truth = shot(&RenderOptions { aovs: [Aov::Depth].into_iter().collect(), ..sized_standard() });
+    let truth = shot(&sized_standard().with(|o| o.picture.aovs = [Aov::Depth].into_iter().collect()));
     let depth = values(&near, Aov::Depth);
     // Depth is along the axis, distances are larger: up to 1.5 times in the corners.
     let is_near = |i: usize| depth[i] < 2.1;
@@ -41,7 +50,7 @@ fn what_is_near_is_nearer_to_the_truth() {
         }
         assert!(!is_near(i) || level >= 1.0, "{i}: {level} at {} m", depth[i]);
     }
-    let half = shot(&RenderOptions { spacing: Spacing::Metres(0.1), ..sized(None) });
+    let half = shot(&sized(None).with(|o| o.mesh.spacing = Spacing::Metres(0.1)));
     let [plain, near, half, all] = [plain, near, half, all].map(|frame| frame.stats.direct);
     assert!(plain.points_refined == 0 && near.points_refined > 0, "{near:?}");
     assert!(near.points_used < half.points_used, "{near:?} {half:?}");
@@ -49,7 +58,10 @@ fn what_is_near_is_nearer_to_the_truth() {
 }
 
 fn sized_standard() -> RenderOptions {
-    RenderOptions { width: 128, height: 96, ..options(Method::Standard) }
+    options(Method::Standard).with(|o| {
+        o.picture.width = 128;
+        o.picture.height = 96;
+    })
 }
 
 /// Every method with a mesh has finer points near the eye, for indirect light too, and its second frame is its first, whatever other
@@ -58,17 +70,22 @@ fn sized_standard() -> RenderOptions {
 fn what_came_before_does_not_matter() {
     let scene = Scene::new(room()).expect("scene");
     let elsewhere = Camera::look_at(Vec3::new(-1.5, 2.5, -1.5), Vec3::new(0.0, 0.5, 0.5), 1.0);
-    for method in [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased] {
-        let with = |graded| RenderOptions { bounces: 1, gather_rays: 32, ..with(method, Some(graded)) };
+    for method in [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED] {
+        let with = |graded| {
+            with(method, Some(graded)).with(|o| {
+                o.transport.bounces = 1;
+                o.mesh.gather_rays = 32;
+            })
+        };
         let first = shoot(&scene, &room_camera(), &with(2.5));
         assert!(first.stats.direct.points_refined > 0, "{method:?}");
-        assert_eq!(first.stats.indirect.points_refined > 0, method != Method::Unbiased, "{method:?}");
+        assert_eq!(first.stats.indirect.points_refined > 0, method != Method::UNBIASED, "{method:?}");
         let mut mesh = LightMesh::new(&scene, &with(2.5)).expect("mesh");
         render(&scene, &elsewhere, &with(2.5), &mut mesh, &()).expect("frame");
         render(&scene, &room_camera(), &with(4.0), &mut mesh, &()).expect("frame");
         let second = render(&scene, &room_camera(), &with(2.5), &mut mesh, &()).expect("frame");
         assert_eq!(first.image, second.image, "{method:?}");
-        assert!(!mesh.is_compatible(&RenderOptions { graded: None, ..with(2.5) }));
+        assert!(!mesh.is_compatible(&with(2.5).with(|o| o.mesh.lod_distance = None)));
     }
 }
 
@@ -76,9 +93,9 @@ fn what_came_before_does_not_matter() {
 #[test]
 fn it_goes_with_refinement() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { refine: Some(1), ..with(Method::Mesh, Some(2.0)) };
+    let options = with(Method::MESH, Some(2.0)).with(|o| o.mesh.refine = Some(1));
     let both = shoot(&scene, &room_camera(), &options);
-    let near = shoot(&scene, &room_camera(), &RenderOptions { refine: None, ..options.clone() });
+    let near = shoot(&scene, &room_camera(), &options.clone().with(|o| o.mesh.refine = None));
     let truth = shoot(&scene, &room_camera(), &crate::common::options(Method::Standard));
     assert!(both.stats.direct.points_refined > near.stats.direct.points_refined);
     let [both, near] = [both, near].map(|frame| error(&frame, &truth, |_| true));
@@ -90,7 +107,7 @@ fn it_goes_with_refinement() {
 fn density_keeps_to_the_memory_limit() {
     let scene = Scene::new(room()).expect("scene");
     let shot = |max_memory| {
-        let options = RenderOptions { max_memory, ..with(Method::Mesh, Some(1e6)) };
+        let options = with(Method::MESH, Some(1e6)).with(|o| o.limits.max_memory = max_memory);
         shoot(&scene, &room_camera(), &options).stats.direct
     };
     let all = shot(4 << 30);
@@ -107,13 +124,13 @@ fn it_is_for_trilinear_meshes() {
         other => panic!("{other:?}"),
     };
     for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        refused(with(Method::Mesh, Some(bad)), "graded");
+        refused(with(Method::MESH, Some(bad)), "lod-distance");
     }
-    let plain = |method| RenderOptions { graded: Some(2.0), ..options(method) };
-    refused(plain(Method::Standard), "graded");
-    refused(plain(Method::Path), "graded");
+    let plain = |method| options(method).with(|o| o.mesh.lod_distance = Some(2.0));
+    refused(plain(Method::Standard), "lod-distance");
+    refused(plain(Method::Path), "lod-distance");
     // Its own neighbourhood is a sphere.
-    refused(plain(Method::Paper), "interpolation");
-    refused(RenderOptions { interpolation: Interpolation::Nearest, ..plain(Method::Mesh) }, "interpolation");
-    assert!(plain(Method::Mesh).validate().is_ok() && plain(Method::Unbiased).validate().is_ok());
+    refused(plain(Method::PAPER), "interpolation");
+    refused(plain(Method::MESH).with(|o| o.mesh.interpolation = Interpolation::Nearest), "interpolation");
+    assert!(plain(Method::MESH).validate().is_ok() && plain(Method::UNBIASED).validate().is_ok());
 }

@@ -6,7 +6,11 @@ use lightmesh::metrics::difference;
 use lightmesh::{Camera, Frame, LightMesh, Material, Method, RenderOptions, Scene, SceneData, Spacing, render};
 
 fn gi(method: Method, bounces: u32) -> RenderOptions {
-    RenderOptions { bounces, spacing: Spacing::Metres(0.2), indirect_spacing: Spacing::Metres(0.4), ..options(method) }
+    options(method).with(|o| {
+        o.transport.bounces = bounces;
+        o.mesh.spacing = Spacing::Metres(0.2);
+        o.mesh.indirect_spacing = Spacing::Metres(0.4);
+    })
 }
 
 /// A closed box of 4 × 3 × 4 m in which everything has albedo `a` and emits 1 cd/m², with a box that stands on its floor against a
@@ -27,13 +31,13 @@ fn a_furnace_is_one_over_one_minus_albedo() {
     for (a, bounces) in [(0.2_f32, 4), (0.5, 9), (0.8, 30)] {
         let scene = Scene::new(furnace(a)).expect("scene");
         let expected = (1.0 - a.powi(bounces + 1)) / (1.0 - a);
-        let image = shoot(&scene, &room_camera(), &gi(Method::Mesh, bounces as u32)).image;
+        let image = shoot(&scene, &room_camera(), &gi(Method::MESH, bounces as u32)).image;
         for (i, pixel) in image.pixels.iter().enumerate() {
             let off = (*pixel / expected - Vec3::ONE).abs().max_element();
             assert!(off < 0.02, "albedo {a}, pixel {} {}: {pixel}, {expected}", i % 64, i / 64);
         }
         // Paths: the mean of 64 × 48 pixels of 64 samples.
-        let path = shoot(&scene, &room_camera(), &RenderOptions { spp: 64, ..gi(Method::Path, bounces as u32) });
+        let path = shoot(&scene, &room_camera(), &gi(Method::Path, bounces as u32).with(|o| o.picture.spp = 64));
         let mean = path.image.pixels.iter().sum::<Vec3>() / path.image.pixels.len() as f32;
         assert!((mean / expected - Vec3::ONE).abs().max_element() < 0.01, "albedo {a}: {mean} {expected}");
     }
@@ -47,7 +51,7 @@ fn a_furnace_with_a_mirror_is_the_same() {
     let c = |x: f32, y: f32| Vec3::new(x, y, -1.99);
     place(&mut data, quad([c(-0.8, 0.3), c(1.9, 0.3), c(1.9, 2.8), c(-0.8, 2.8)], 1));
     let scene = Scene::new(data).expect("scene");
-    let image = shoot(&scene, &room_camera(), &gi(Method::Mesh, 12)).image;
+    let image = shoot(&scene, &room_camera(), &gi(Method::MESH, 12)).image;
     for pixel in &image.pixels {
         assert!((*pixel / 2.0 - Vec3::ONE).abs().max_element() < 0.02, "{pixel}");
     }
@@ -152,11 +156,18 @@ fn a_coloured_box_agrees_with_radiosity() {
     }
     let scene = Scene::new(data).expect("scene");
     let middle = Vec3::ONE;
-    let rungs = [(Method::Mesh, 0.2, 1, 0.045), (Method::Mesh, 0.1, 1, 0.025), (Method::Path, 0.2, 4096, 0.015)];
+    let rungs = [(Method::MESH, 0.2, 1, 0.045), (Method::MESH, 0.1, 1, 0.025), (Method::Path, 0.2, 4096, 0.015)];
     for (method, h, spp, tolerance) in rungs {
         // One small picture at the middle of each patch, the mesh shared.
-        let options = RenderOptions { width: 1, height: 1, spp, ..gi(method, 30) };
-        let options = RenderOptions { spacing: Spacing::Metres(0.1), indirect_spacing: Spacing::Metres(h), ..options };
+        let options = gi(method, 30).with(|o| {
+            o.picture.width = 1;
+            o.picture.height = 1;
+            o.picture.spp = spp;
+        });
+        let options = options.with(|o| {
+            o.mesh.spacing = Spacing::Metres(0.1);
+            o.mesh.indirect_spacing = Spacing::Metres(h);
+        });
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         for wall in 0..6 {
             let (mut sum, mut expected) = (Vec3::ZERO, Vec3::ZERO);
@@ -179,7 +190,7 @@ fn a_coloured_box_agrees_with_radiosity() {
 fn energy_never_grows_with_bounces() {
     let scene = Scene::new(room()).expect("scene");
     let mean = |bounces| {
-        let image = shoot(&scene, &room_camera(), &gi(Method::Mesh, bounces)).image;
+        let image = shoot(&scene, &room_camera(), &gi(Method::MESH, bounces)).image;
         image.pixels.iter().map(|p| p.as_dvec3()).sum::<glam::DVec3>() / image.pixels.len() as f64
     };
     let means: Vec<_> = (0..7).map(mean).collect();
@@ -195,8 +206,8 @@ fn energy_never_grows_with_bounces() {
 #[test]
 fn the_light_that_is_left_out_is_estimated() {
     let scene = Scene::new(room()).expect("scene");
-    let few = shoot(&scene, &room_camera(), &gi(Method::Mesh, 2));
-    let many = shoot(&scene, &room_camera(), &gi(Method::Mesh, 40));
+    let few = shoot(&scene, &room_camera(), &gi(Method::MESH, 2));
+    let many = shoot(&scene, &room_camera(), &gi(Method::MESH, 40));
     let sum = |frame: &Frame| frame.image.pixels.iter().sum::<Vec3>().element_sum();
     let truth = 1.0 - sum(&few) / sum(&many);
     let said = few.stats.truncated_light.expect("an estimate") as f32;
@@ -218,7 +229,10 @@ fn a_second_frame_fills_only_what_is_new() {
 }
 
 fn second_frame(scene: &Scene, bounces: u32) {
-    let options = RenderOptions { width: 160, height: 120, ..gi(Method::Mesh, bounces) };
+    let options = gi(Method::MESH, bounces).with(|o| {
+        o.picture.width = 160;
+        o.picture.height = 120;
+    });
     let mut mesh = LightMesh::new(scene, &options).expect("mesh");
     let mut shot = |camera| render(scene, &camera, &options, &mut mesh, &()).expect("frame");
     let other = Camera::look_at(Vec3::new(-1.2, 1.5, 1.6), Vec3::new(0.3, 0.8, -0.6), 1.0);
@@ -241,10 +255,10 @@ fn second_frame(scene: &Scene, bounces: u32) {
 #[test]
 fn threads_do_not_change_a_picture() {
     let scene = Scene::new(room()).expect("scene");
-    for method in [Method::Mesh, Method::Paper, Method::Path] {
+    for method in [Method::MESH, Method::PAPER, Method::Path] {
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
-            pool.install(|| shoot(&scene, &room_camera(), &RenderOptions { spp: 2, ..gi(method, 3) }).image)
+            pool.install(|| shoot(&scene, &room_camera(), &gi(method, 3).with(|o| o.picture.spp = 2)).image)
         };
         assert_eq!(on(1), on(3), "{method:?}");
     }
@@ -267,14 +281,13 @@ fn a_thin_wall_does_not_leak() {
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 5.0), Vec3::new(0.0, 1.5, -2.0), 1.0);
     for h in [0.25, 0.2, 0.13] {
-        let mesh = gi(Method::Mesh, 4);
-        let mesh = RenderOptions {
-            width: 160,
-            height: 90,
-            spacing: Spacing::Metres(h),
-            indirect_spacing: Spacing::Metres(2.0 * h),
-            ..mesh
-        };
+        let mesh = gi(Method::MESH, 4);
+        let mesh = mesh.with(|o| {
+            o.picture.width = 160;
+            o.picture.height = 90;
+            o.mesh.spacing = Spacing::Metres(h);
+            o.mesh.indirect_spacing = Spacing::Metres(2.0 * h);
+        });
         let image = shoot(&scene, &camera, &mesh).image;
         let mean = |pixels: &mut dyn Iterator<Item = Vec3>| {
             let (sum, n) = pixels.fold((0.0, 0.0), |(s, n), p| (s + f64::from(p.element_sum()), n + 1.0));
@@ -284,7 +297,14 @@ fn a_thin_wall_does_not_leak() {
         let right = mean(&mut (0..90 * 160).filter(|i| i % 160 > 84).map(|i| image.pixels[i]));
         assert!(right < 1e-3 * all, "{h} m: {right} of {all}");
 
-        let path = shoot(&scene, &camera, &RenderOptions { method: Method::Path, spp: 64, ..mesh });
+        let path = shoot(
+            &scene,
+            &camera,
+            &mesh.with(|o| {
+                o.method = Method::Path;
+                o.picture.spp = 64;
+            }),
+        );
         let off = difference(&image.pixels, &path.image.pixels);
         assert!(off.bias.abs() < 0.05 && off.relrmse < 0.25, "{h} m: {off:?}");
     }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, Stage, render};
 
 const METHODS: [Method; 6] =
-    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
+    [Method::Standard, Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED, Method::Path];
 
 fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool").install(work)
@@ -18,7 +18,10 @@ fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 fn pictures_do_not_depend_on_the_number_of_threads() {
     let scene = Scene::new(room()).expect("scene");
     for method in METHODS {
-        let options = RenderOptions { spp: 2, bounces: 2, ..options(method) };
+        let options = options(method).with(|o| {
+            o.picture.spp = 2;
+            o.transport.bounces = 2;
+        });
         let one = with_threads(1, || shoot(&scene, &room_camera(), &options));
         let three = with_threads(3, || shoot(&scene, &room_camera(), &options));
         assert_eq!(one.image, three.image, "{method:?}");
@@ -29,7 +32,7 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn a_second_frame_only_reads() {
     let scene = Scene::new(room()).expect("scene");
-    let options = options(Method::Mesh);
+    let options = options(Method::MESH);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let first = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
     let second = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
@@ -49,17 +52,17 @@ fn a_second_frame_only_reads() {
 #[test]
 fn a_mesh_refuses_options_that_it_was_not_made_for() {
     let scene = Scene::new(room()).expect("scene");
-    let mut mesh = LightMesh::new(&scene, &options(Method::Mesh)).expect("mesh");
-    let error = render(&scene, &room_camera(), &options(Method::Paper), &mut mesh, &()).expect_err("other method");
-    assert!(matches!(error, Error::InvalidOption { .. }));
+    let mut mesh = LightMesh::new(&scene, &options(Method::MESH)).expect("mesh");
+    let error = render(&scene, &room_camera(), &options(Method::PAPER), &mut mesh, &()).expect_err("other method");
+    assert_eq!(error.to_string(), "the mesh was made with method mesh, and the options ask for paper");
 
     // Gather rays that follow mirrors less far bring other light.
-    let deep = RenderOptions { bounces: 1, ..options(Method::Mesh) };
+    let deep = options(Method::MESH).with(|o| o.transport.bounces = 1);
     let mut mesh = LightMesh::new(&scene, &deep).expect("mesh");
     assert!(mesh.is_compatible(&deep));
-    assert!(!mesh.is_compatible(&RenderOptions { depth: 2, ..deep.clone() }));
+    assert!(!mesh.is_compatible(&deep.clone().with(|o| o.transport.depth = 2)));
     // Where the error is bounded, the indirect mesh is finer by default.
-    let bounded = RenderOptions { error: Some(0.05), ..deep.clone() };
+    let bounded = deep.clone().with(|o| o.method = Method::with_error(0.05));
     mesh = LightMesh::new(&scene, &bounded).expect("mesh");
     assert!(mesh.is_compatible(&bounded) && !mesh.is_compatible(&RenderOptions { method: Method::Hybrid, ..deep }));
 }
@@ -96,8 +99,11 @@ impl Progress for StopAt {
 #[test]
 fn a_mesh_outlives_frames_that_were_cancelled() {
     let scene = Scene::new(room()).expect("scene");
-    for method in [Method::Mesh, Method::Paper, Method::Hybrid] {
-        let options = RenderOptions { bounces: 2, gather_rays: 32, ..options(method) };
+    for method in [Method::MESH, Method::PAPER, Method::Hybrid] {
+        let options = options(method).with(|o| {
+            o.transport.bounces = 2;
+            o.mesh.gather_rays = 32;
+        });
         let truth = shoot(&scene, &room_camera(), &options).image;
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         let mut cancelled = 0;
@@ -125,11 +131,17 @@ fn memory_is_checked_before_it_is_taken() {
         };
         render(&scene, &room_camera(), options, &mut mesh, &()).expect_err("too much").to_string()
     };
-    let huge = RenderOptions { width: 60_000, height: 60_000, ..options(Method::Mesh) };
+    let huge = options(Method::MESH).with(|o| {
+        o.picture.width = 60_000;
+        o.picture.height = 60_000;
+    });
     assert!(message(&huge).contains("memory") && message(&huge).contains("--size"));
-    let fine = RenderOptions { spacing: Spacing::Metres(1e-9), ..options(Method::Mesh) };
+    let fine = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Metres(1e-9));
     assert!(message(&fine).contains("memory") && message(&fine).contains("--spacing"));
-    let tight = RenderOptions { spacing: Spacing::Metres(0.02), max_memory: 1 << 20, ..options(Method::Mesh) };
+    let tight = options(Method::MESH).with(|o| {
+        o.mesh.spacing = Spacing::Metres(0.02);
+        o.limits.max_memory = 1 << 20;
+    });
     assert!(message(&tight).contains("memory"), "{}", message(&tight));
 }
 

@@ -44,7 +44,7 @@ fn relrmse(a: &Frame, b: &Frame) -> f32 {
 #[test]
 fn pictures_are_as_near_as_they_say() {
     let scene = Scene::new(crowded()).expect("scene");
-    let options = |light_error| RenderOptions { light_error, ..options(Method::Mesh) };
+    let options = |light_error| options(Method::MESH).with(|o| o.transport.light_error = light_error);
     let exact = shoot(&scene, &room_camera(), &options(0.0));
     let mut rays = exact.stats.rays.shadow;
     for error in [0.003, 0.01, 0.03] {
@@ -60,17 +60,21 @@ fn pictures_are_as_near_as_they_say() {
 #[test]
 fn clusters_are_the_same_whoever_asks() {
     let scene = Scene::new(crowded()).expect("scene");
-    let with = |method, refine, error: Option<f32>| {
-        let bounces = if error.is_some() { 0 } else { 1 };
-        RenderOptions { refine, error, bounces, gather_rays: 16, ..options(method) }
+    let with = |method: Method, refine| {
+        let bounces = if method.error().is_some() { 0 } else { 1 };
+        options(method).with(|o| {
+            o.mesh.refine = refine;
+            o.transport.bounces = bounces;
+            o.mesh.gather_rays = 16;
+        })
     };
     for options in [
-        with(Method::Mesh, None, None),
-        with(Method::Paper, None, None),
-        with(Method::Hybrid, None, None),
-        with(Method::Hybrid, Some(1), None),
-        with(Method::Unbiased, None, None),
-        with(Method::Mesh, Some(1), Some(0.1)),
+        with(Method::MESH, None),
+        with(Method::PAPER, None),
+        with(Method::Hybrid, None),
+        with(Method::Hybrid, Some(1)),
+        with(Method::UNBIASED, None),
+        with(Method::with_error(0.1), Some(1)),
     ] {
         let frames = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
@@ -88,8 +92,12 @@ fn clusters_are_the_same_whoever_asks() {
 #[test]
 fn hybrid_light_of_clusters_is_nearly_exact() {
     let scene = Scene::new(crowded()).expect("scene");
-    let options =
-        |light_error| RenderOptions { light_error, spacing: Spacing::Metres(0.05), ..options(Method::Hybrid) };
+    let options = |light_error| {
+        options(Method::Hybrid).with(|o| {
+            o.transport.light_error = light_error;
+            o.mesh.spacing = Spacing::Metres(0.05);
+        })
+    };
     let [every, clusters] = [0.0, 0.01].map(|error| shoot(&scene, &room_camera(), &options(error)));
     let truth = shoot(&scene, &room_camera(), &RenderOptions { method: Method::Standard, ..options(0.0) });
     let [off, from_truth] = [&every, &truth].map(|frame| relrmse(&clusters, frame));
@@ -116,13 +124,22 @@ fn unbiased_light_of_clusters_has_no_bias() {
         *position = Vec3::new(r * libm::cosf(angle), 0.85 + 0.2 * (i % 23) as f32 / 22.0, r * libm::sinf(angle));
     }
     let scene = Scene::new(data).expect("scene");
-    let sized = |method| RenderOptions { width: 32, height: 24, light_error: 0.3, ..options(method) };
+    let sized = |method| {
+        options(method).with(|o| {
+            o.picture.width = 32;
+            o.picture.height = 24;
+            o.transport.light_error = 0.3;
+        })
+    };
     let truth = shoot(&scene, &room_camera(), &sized(Method::Standard)).image;
-    let mut mesh = LightMesh::new(&scene, &sized(Method::Unbiased)).expect("mesh");
+    let mut mesh = LightMesh::new(&scene, &sized(Method::UNBIASED)).expect("mesh");
     // 4 × 3 tiles, and all of them.
     let mut sums = [(0.0_f64, 0.0_f64); 13];
     for seed in 0..SEEDS {
-        let options = RenderOptions { seed, rays: 16, ..sized(Method::Unbiased) };
+        let options = sized(Method::UNBIASED).with(|o| {
+            o.seed = seed;
+            o.method = Method::unbiased(16);
+        });
         let image = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame").image;
         let mut differences = [0.0; 13];
         for (i, (p, t)) in image.pixels.iter().zip(&truth.pixels).enumerate() {
@@ -148,7 +165,10 @@ fn clusters_at_points_keep_to_the_memory_limit() {
     let scene = Scene::new(crowded()).expect("scene");
     // Enough for the tree, on one thread, and for the points, but not for what they know.
     let max_memory = 1700 << 10;
-    let options = RenderOptions { spacing: Spacing::Metres(0.05), max_memory, ..options(Method::Hybrid) };
+    let options = options(Method::Hybrid).with(|o| {
+        o.mesh.spacing = Spacing::Metres(0.05);
+        o.limits.max_memory = max_memory;
+    });
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("pool");
     pool.install(|| {
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
@@ -165,7 +185,13 @@ fn clusters_at_points_keep_to_the_memory_limit() {
 fn standard_and_path_have_no_clusters() {
     let scene = Scene::new(crowded()).expect("scene");
     for method in [Method::Standard, Method::Path] {
-        let options = |light_error| RenderOptions { light_error, width: 8, height: 6, ..options(method) };
+        let options = |light_error| {
+            options(method).with(|o| {
+                o.transport.light_error = light_error;
+                o.picture.width = 8;
+                o.picture.height = 6;
+            })
+        };
         let [a, b] = [0.0, 0.5].map(|error| shoot(&scene, &room_camera(), &options(error)).image);
         assert_eq!(a, b);
     }
@@ -175,8 +201,8 @@ fn standard_and_path_have_no_clusters() {
 #[test]
 fn a_mesh_has_one_light_error() {
     let scene = Scene::new(crowded()).expect("scene");
-    let mut mesh = LightMesh::new(&scene, &options(Method::Mesh)).expect("mesh");
-    let exact = RenderOptions { light_error: 0.0, ..options(Method::Mesh) };
+    let mut mesh = LightMesh::new(&scene, &options(Method::MESH)).expect("mesh");
+    let exact = options(Method::MESH).with(|o| o.transport.light_error = 0.0);
     assert!(render(&scene, &room_camera(), &exact, &mut mesh, &()).is_err());
-    assert!(RenderOptions { light_error: 1.0, ..exact }.validate().is_err());
+    assert!(exact.with(|o| o.transport.light_error = 1.0).validate().is_err());
 }

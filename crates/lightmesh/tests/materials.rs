@@ -11,7 +11,7 @@ use lightmesh::{
     TextureRef, UvTransform, Wrap,
 };
 
-const TRACERS: [Method; 3] = [Method::Standard, Method::Mesh, Method::Path];
+const TRACERS: [Method; 3] = [Method::Standard, Method::MESH, Method::Path];
 
 fn sun(lux: f32) -> Light {
     Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::splat(lux) }
@@ -38,8 +38,11 @@ fn a_blended_panel_casts_a_coloured_shadow_and_is_seen_through() {
     let scene = Scene::new(data).expect("scene");
     let shadow = (1.0 - alpha) * Vec3::ONE.lerp(base, alpha);
     for method in TRACERS {
-        let options = RenderOptions { spp: if method == Method::Path { 4096 } else { 1 }, ..options(method) };
-        let options = RenderOptions { width: 1, height: 1, ..options };
+        let options = options(method).with(|o| o.picture.spp = if method == Method::Path { 4096 } else { 1 });
+        let options = options.with(|o| {
+            o.picture.width = 1;
+            o.picture.height = 1;
+        });
         let below = Camera::look_at(Vec3::new(0.0, 0.5, 0.0), Vec3::ZERO, 0.01);
         let above = Camera::look_at(Vec3::new(0.0, 2.0, 0.0), Vec3::ZERO, 0.01);
         let seen = |camera| shoot(&scene, camera, &options).image.pixels[0];
@@ -78,7 +81,7 @@ fn a_metal_mirror_shows_the_emitter_times_its_colour() {
     for method in TRACERS {
         assert!((middle(&scene, &camera, &options(method)) - 5.0 * gold).length() < 1e-2, "{method:?}");
     }
-    let flat = RenderOptions { depth: 0, ..options(Method::Standard) };
+    let flat = options(Method::Standard).with(|o| o.transport.depth = 0);
     assert_eq!(middle(&scene, &camera, &flat), Vec3::ZERO);
 }
 
@@ -160,7 +163,12 @@ fn path_passes_the_furnace() {
         let mut data = SceneData { materials: vec![material], ..SceneData::default() };
         place(&mut data, inside_out(cuboid(Vec3::splat(-1.0), Vec3::splat(1.0), 0)));
         let scene = Scene::new(data).expect("scene");
-        let options = RenderOptions { bounces: 64, spp: 64, width: 16, height: 16, ..options(Method::Path) };
+        let options = options(Method::Path).with(|o| {
+            o.transport.bounces = 64;
+            o.picture.spp = 64;
+            o.picture.width = 16;
+            o.picture.height = 16;
+        });
         let frame = shoot(&scene, &Camera::look_at(Vec3::ZERO, Vec3::new(0.3, 0.2, -1.0), 1.0), &options);
         let mean = frame.image.pixels.iter().map(|p| f64::from(p.x)).sum::<f64>() / 256.0;
         let expected = 1.0 / (1.0 - f64::from(albedo));
@@ -216,7 +224,7 @@ fn mirrored_hits_read_the_mesh() {
     place(&mut data, quad([c(-6.0, -1.0), c(6.0, -1.0), c(6.0, 5.0), c(-6.0, 5.0)], 1));
     let scene = Scene::new(data).expect("scene");
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 2.0), Vec3::new(0.0, 0.9, -3.0), 0.3);
-    let (mesh, truth) = (options(Method::Mesh), options(Method::Standard));
+    let (mesh, truth) = (options(Method::MESH), options(Method::Standard));
     let (mesh, truth) = (shoot(&scene, &camera, &mesh), shoot(&scene, &camera, &truth));
     let d = difference(&mesh.image.pixels, &truth.image.pixels);
     assert!(d.relrmse < 1e-4 && truth.image.pixels[40 * 64 + 32].x > 0.1, "{d:?}");

@@ -12,7 +12,7 @@ use lightmesh::{
 };
 
 const METHODS: [Method; 6] =
-    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
+    [Method::Standard, Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED, Method::Path];
 
 fn meter(position: [f32; 3], normal: [f32; 3]) -> Meter {
     Meter { position: position.into(), normal: normal.into() }
@@ -24,7 +24,10 @@ fn read(scene: &Scene, meters: &[Meter], options: &RenderOptions) -> Measured {
 }
 
 fn with_bounces(method: Method, bounces: u32) -> RenderOptions {
-    RenderOptions { bounces, indirect_spacing: Spacing::Metres(0.4), ..options(method) }
+    options(method).with(|o| {
+        o.transport.bounces = bounces;
+        o.mesh.indirect_spacing = Spacing::Metres(0.4);
+    })
 }
 
 /// Meters on the floor, on a wall, in the air, on the box's lid, a few in the box, of every direction.
@@ -56,7 +59,7 @@ fn a_point_light_gives_a_meter_intensity_times_cosine_over_squared_distance() {
         .into_iter()
         .flat_map(|n| [[0.0, 0.0, 0.0], [1.4, 0.85, 2.0], [-3.0, 1.5, 0.5]].map(|p| meter(p, n)))
         .collect();
-    for method in [Method::Standard, Method::Mesh, Method::Path] {
+    for method in [Method::Standard, Method::MESH, Method::Path] {
         let measured = read(&scene, &meters, &options(method));
         for (meter, e) in meters.iter().zip(&measured.direct) {
             let d = (lamp - meter.position).as_dvec3();
@@ -94,8 +97,15 @@ fn lamps_of_a_size_have_closed_forms() {
     ];
     let check = |data: SceneData, expected: &dyn Fn(Vec3, Vec3) -> f32| {
         let scene = Scene::with_emitters(data, &emitters).expect("scene");
-        for (method, spp) in [(Method::Standard, 1), (Method::Mesh, 1), (Method::Path, 16384)] {
-            let measured = read(&scene, &meters, &RenderOptions { spp, spacing, ..options(method) });
+        for (method, spp) in [(Method::Standard, 1), (Method::MESH, 1), (Method::Path, 16384)] {
+            let measured = read(
+                &scene,
+                &meters,
+                &options(method).with(|o| {
+                    o.picture.spp = spp;
+                    o.mesh.spacing = spacing;
+                }),
+            );
             for (meter, e) in meters.iter().zip(&measured.direct) {
                 let expected = 100.0 * expected(meter.position, meter.normal.normalize());
                 assert!((e.x / expected - 1.0).abs() < 0.01, "{method:?}, {meter:?}: {e} {expected}");
@@ -129,8 +139,8 @@ fn a_furnace_shines_alike_on_every_meter() {
         place(&mut data, cuboid(Vec3::new(-0.5, 0.0, -0.6), Vec3::new(0.6, 1.0, 0.5), 0));
         let scene = Scene::new(data).expect("scene");
         let expected = PI * (1.0 - a.powi(bounces + 1)) / (1.0 - a);
-        for (method, tolerance) in [(Method::Mesh, 0.02), (Method::Path, 0.03)] {
-            let options = RenderOptions { spp: 1024, ..with_bounces(method, bounces as u32) };
+        for (method, tolerance) in [(Method::MESH, 0.02), (Method::Path, 0.03)] {
+            let options = with_bounces(method, bounces as u32).with(|o| o.picture.spp = 1024);
             // In the box it is dark.
             let mut meters = meters_in_the_room();
             meters.retain(|meter| meter.position.xz().abs().max_element() > 0.6 || meter.position.y > 1.0);
@@ -148,9 +158,12 @@ fn a_furnace_shines_alike_on_every_meter() {
 fn meters_read_what_pictures_show() {
     let albedo = Vec3::splat(0.7);
     let scene = Scene::new(room()).expect("scene");
-    for method in [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid] {
+    for method in [Method::Standard, Method::MESH, Method::PAPER, Method::Hybrid] {
         let bounces = if method == Method::Standard { 0 } else { 3 };
-        let options = RenderOptions { width: 1, height: 1, ..with_bounces(method, bounces) };
+        let options = with_bounces(method, bounces).with(|o| {
+            o.picture.width = 1;
+            o.picture.height = 1;
+        });
         for place in [Vec3::new(1.2, 0.0, 1.3), Vec3::new(-1.1, 0.0, -1.4), Vec3::new(0.9, 0.0, 0.0)] {
             // The picture's ray is along an axis: its hit is the place.
             let camera = Camera::look_at(place + Vec3::Y * 0.5, place, 1e-6);
@@ -170,16 +183,16 @@ fn meters_agree_with_paths() {
     // Off the walls and not in the box.
     let clear = |m: &Meter| m.position.abs().max_element() < 1.9 && m.position.y > 1.1;
     let meters: Vec<Meter> = meters_in_the_room().into_iter().filter(clear).collect();
-    let sums = |method, rays| {
-        let options = RenderOptions { spp: 1024, rays, ..with_bounces(method, 3) };
+    let sums = |method| {
+        let options = with_bounces(method, 3).with(|o| o.picture.spp = 1024);
         let measured = read(&scene, &meters, &options);
         [measured.direct, measured.indirect].map(|e| e.into_iter().sum::<Vec3>())
     };
-    let truth = sums(Method::Path, 1);
-    for (method, rays, tolerances) in
-        [(Method::Mesh, 1, [0.05, 0.05]), (Method::Hybrid, 1, [0.01, 0.05]), (Method::Unbiased, 1024, [1e-4, 0.02])]
+    let truth = sums(Method::Path);
+    for (method, tolerances) in
+        [(Method::MESH, [0.05, 0.05]), (Method::Hybrid, [0.01, 0.05]), (Method::unbiased(1024), [1e-4, 0.02])]
     {
-        let found = sums(method, rays);
+        let found = sums(method);
         for i in 0..2 {
             let off = (found[i] / truth[i] - Vec3::ONE).abs().max_element();
             assert!(off < tolerances[i], "{method:?} {i}: {} {}", found[i], truth[i]);
@@ -193,7 +206,7 @@ fn a_meter_depends_on_its_place_alone() {
     let scene = Scene::new(room()).expect("scene");
     let meters = meters_in_the_room();
     for method in METHODS {
-        let options = RenderOptions { spp: 300, ..with_bounces(method, 2) };
+        let options = with_bounces(method, 2).with(|o| o.picture.spp = 300);
         let on = |threads, meters: &[Meter]| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("pool");
             let Measured { direct, indirect, .. } = pool.install(|| read(&scene, meters, &options));
@@ -209,7 +222,7 @@ fn a_meter_depends_on_its_place_alone() {
             assert_eq!(on(2, &meters[i..=i]), all[i..=i], "{method:?}");
         }
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
-        lightmesh::render(&scene, &room_camera(), &RenderOptions { spp: 1, ..options.clone() }, &mut mesh, &())
+        lightmesh::render(&scene, &room_camera(), &options.clone().with(|o| o.picture.spp = 1), &mut mesh, &())
             .expect("frame");
         let warm = measure(&scene, &meters, &options, &mut mesh, &()).expect("measured");
         assert_eq!(warm.direct.into_iter().zip(warm.indirect).collect::<Vec<_>>(), all, "{method:?}");
@@ -223,11 +236,11 @@ fn meters_outside_the_scene_get_exact_light() {
     data.lights.push(point_light(Vec3::new(0.0, 30.0, 0.0), Vec3::splat(900.0)));
     let scene = Scene::new(data).expect("scene");
     let meters = [meter([0.0, 20.0, 0.0], [0.0, 1.0, 0.0]), meter([0.0, 5.0, 0.0], [0.0, -1.0, 0.0])];
-    for method in [Method::Mesh, Method::Hybrid, Method::Paper, Method::Unbiased] {
-        let measured = read(&scene, &meters, &RenderOptions { rays: 4096, ..with_bounces(method, 1) });
+    for method in [Method::MESH, Method::Hybrid, Method::PAPER, Method::unbiased(4096)] {
+        let measured = read(&scene, &meters, &with_bounces(method, 1));
         assert!((measured.direct[0] / 9.0 - Vec3::ONE).abs().max_element() < 1e-5, "{method:?}: {:?}", measured.direct);
         assert_eq!((measured.direct[1], measured.indirect[0]), (Vec3::ZERO, Vec3::ZERO), "{method:?}");
-        let path = read(&scene, &meters, &RenderOptions { spp: 4096, ..with_bounces(Method::Path, 1) });
+        let path = read(&scene, &meters, &with_bounces(Method::Path, 1).with(|o| o.picture.spp = 4096));
         let off = (measured.indirect[1] / path.indirect[1] - Vec3::ONE).abs().max_element();
         assert!(off < 0.06, "{method:?}: {:?} {:?}", measured.indirect, path.indirect);
     }
@@ -256,7 +269,7 @@ fn meters_that_make_no_sense_are_refused_by_their_index() {
 #[test]
 fn options_that_need_a_picture_are_refused() {
     let scene = Scene::new(room()).expect("scene");
-    let base = options(Method::Mesh);
+    let base = options(Method::MESH);
     let refused = |options: RenderOptions| {
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         match measure(&scene, &meters_in_the_room(), &options, &mut mesh, &()) {
@@ -264,18 +277,18 @@ fn options_that_need_a_picture_are_refused() {
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(refused(RenderOptions { error: Some(0.05), ..base.clone() }), "error");
-    assert_eq!(refused(RenderOptions { refine: Some(1), ..base.clone() }), "refine");
-    assert_eq!(refused(RenderOptions { graded: Some(2.0), ..base.clone() }), "graded");
+    assert_eq!(refused(base.clone().with(|o| o.method = Method::with_error(0.05))), "error");
+    assert_eq!(refused(base.clone().with(|o| o.mesh.refine = Some(1))), "refine");
+    assert_eq!(refused(base.clone().with(|o| o.mesh.lod_distance = Some(2.0))), "lod-distance");
     assert_eq!(
-        refused(RenderOptions { time_limit: Some(std::time::Duration::from_secs(1)), ..base.clone() }),
+        refused(base.clone().with(|o| o.picture.time_limit = Some(std::time::Duration::from_secs(1)))),
         "time-limit"
     );
 
-    let mut mesh = LightMesh::new(&scene, &options(Method::Paper)).expect("mesh");
+    let mut mesh = LightMesh::new(&scene, &options(Method::PAPER)).expect("mesh");
     let other = measure(&scene, &meters_in_the_room(), &base, &mut mesh, &()).expect_err("another method's mesh");
-    assert!(matches!(other, Error::InvalidOption { option: "mesh", .. }));
-    let tight = RenderOptions { max_memory: 1000, ..options(Method::Path) };
+    assert!(matches!(other, Error::IncompatibleMesh { .. }));
+    let tight = options(Method::Path).with(|o| o.limits.max_memory = 1000);
     let full = measure(&scene, &meters_in_the_room(), &tight, &mut mesh, &()).expect_err("too much");
     assert!(matches!(full, Error::OutOfMemory { needed_bytes: 1560, .. }), "{full}");
 }
@@ -300,7 +313,7 @@ fn measuring_reports_and_stops() {
     let scene = Scene::new(room()).expect("scene");
     let meters = meters_in_the_room();
     for method in METHODS {
-        let options = RenderOptions { spp: 3, ..with_bounces(method, 1) };
+        let options = with_bounces(method, 1).with(|o| o.picture.spp = 3);
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         let log = Log::default();
         let measured = measure(&scene, &meters, &options, &mut mesh, &log).expect("measured");
@@ -323,7 +336,7 @@ fn what_is_filled_ahead_is_only_read() {
     // Surfaces read points beyond them, too.
     let grown = Aabb { min: scene.bounds().min - 0.4, max: scene.bounds().max + 0.4 };
     let fills = |rays: lightmesh::RayCounts| rays.gather;
-    for (method, bounces) in [(Method::Mesh, 2), (Method::Paper, 2), (Method::Mesh, 0), (Method::Hybrid, 1)] {
+    for (method, bounces) in [(Method::MESH, 2), (Method::PAPER, 2), (Method::MESH, 0), (Method::Hybrid, 1)] {
         let options = with_bounces(method, bounces);
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         let filled = mesh.prefill_box(&scene, &options, &grown, &()).expect("filled");
@@ -356,7 +369,10 @@ fn filling_ahead_checks_memory_and_stops() {
         }
     }
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { max_memory: 8 << 20, spacing: Spacing::Metres(0.05), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| {
+        o.limits.max_memory = 8 << 20;
+        o.mesh.spacing = Spacing::Metres(0.05);
+    });
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let full = mesh.prefill_box(&scene, &options, &scene.bounds(), &()).expect_err("too much");
     assert!(matches!(full, Error::OutOfMemory { .. }) && mesh.stats().points_used == 0, "{full}");
@@ -378,7 +394,7 @@ fn a_mesh_survives_a_fill_that_was_stopped() {
         }
     }
     let scene = Scene::new(room()).expect("scene");
-    let options = with_bounces(Method::Mesh, 2);
+    let options = with_bounces(Method::MESH, 2);
     let expected = shoot(&scene, &room_camera(), &options).image;
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let mut stopped = 0;

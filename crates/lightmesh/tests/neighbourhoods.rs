@@ -12,7 +12,7 @@ const RULES: [MissingCorners; 4] =
     [MissingCorners::Zero, MissingCorners::Nearest, MissingCorners::Mirror, MissingCorners::One];
 
 fn with_rule(method: Method, rule: MissingCorners) -> RenderOptions {
-    RenderOptions { interpolation: Interpolation::TrilinearWith(rule), ..options(method) }
+    options(method).with(|o| o.mesh.interpolation = Interpolation::TrilinearWith(rule))
 }
 
 fn mean(image: &Image) -> f32 {
@@ -36,7 +36,7 @@ fn a_bare_floor_has_the_share_of_the_corners_that_are_there() {
     let scene = Scene::new(data).expect("scene");
     let camera = lightmesh::Camera::look_at(Vec3::new(0.0, 5.0, 0.01), Vec3::ZERO, 0.8);
     let truth = shoot(&scene, &camera, &options(Method::Standard)).image;
-    for method in [Method::Mesh, Method::Paper] {
+    for method in [Method::MESH, Method::PAPER] {
         for rule in RULES {
             let image = shoot(&scene, &camera, &with_rule(method, rule)).image;
             let expected = if rule == MissingCorners::Zero { 0.5 } else { 1.0 };
@@ -52,8 +52,8 @@ fn a_bare_floor_has_the_share_of_the_corners_that_are_there() {
 fn zero_is_dark_and_one_is_bright() {
     let scene = Scene::new(room()).expect("scene");
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
-    for method in [Method::Mesh, Method::Paper] {
-        let plain = RenderOptions { interpolation: Interpolation::Trilinear, ..options(method) };
+    for method in [Method::MESH, Method::PAPER] {
+        let plain = options(method).with(|o| o.mesh.interpolation = Interpolation::Trilinear);
         let plain = mean(&shoot(&scene, &room_camera(), &plain).image);
         let [zero, nearest, mirror, one] =
             RULES.map(|rule| shoot(&scene, &room_camera(), &with_rule(method, rule)).image);
@@ -79,7 +79,7 @@ fn where_no_corner_is_there_the_rule_says_what_that_means() {
     let camera = lightmesh::Camera::look_at(Vec3::new(0.0, 4.0, 0.01), Vec3::ZERO, 0.3);
     let truth = shoot(&scene, &camera, &options(Method::Standard)).image;
     for rule in RULES {
-        let frame = shoot(&scene, &camera, &with_rule(Method::Mesh, rule));
+        let frame = shoot(&scene, &camera, &with_rule(Method::MESH, rule));
         let traced = matches!(rule, MissingCorners::Nearest | MissingCorners::Mirror);
         assert_eq!(frame.stats.exact_fallbacks > 0, traced, "{rule:?}");
         // The floor of the slit is in sight of the light.
@@ -93,25 +93,28 @@ fn where_no_corner_is_there_the_rule_says_what_that_means() {
 #[test]
 fn rules_go_with_bounces_and_a_second_frame_only_reads() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { bounces: 2, gather_rays: 64, ..with_rule(Method::Mesh, MissingCorners::Mirror) };
+    let options = with_rule(Method::MESH, MissingCorners::Mirror).with(|o| {
+        o.transport.bounces = 2;
+        o.mesh.gather_rays = 64;
+    });
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let first = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
     let second = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
     assert_eq!(first.image, second.image);
     assert_eq!(second.stats.rays.shadow, 0);
-    let plain = RenderOptions { interpolation: Interpolation::Trilinear, ..options.clone() };
+    let plain = options.clone().with(|o| o.mesh.interpolation = Interpolation::Trilinear);
     assert!(!mesh.is_compatible(&plain) && mesh.is_compatible(&options));
-    assert!(!mesh.is_compatible(&RenderOptions { ..with_rule(Method::Mesh, MissingCorners::Nearest) }));
+    assert!(!mesh.is_compatible(&with_rule(Method::MESH, MissingCorners::Nearest)));
 }
 
 #[test]
 fn rules_are_for_direct_light_by_the_mean_visibility() {
     for rule in RULES {
-        assert!(with_rule(Method::Mesh, rule).validate().is_ok() && with_rule(Method::Paper, rule).validate().is_ok());
+        assert!(with_rule(Method::MESH, rule).validate().is_ok() && with_rule(Method::PAPER, rule).validate().is_ok());
         refused(&with_rule(Method::Hybrid, rule), "interpolation");
-        refused(&with_rule(Method::Unbiased, rule), "interpolation");
-        refused(&RenderOptions { error: Some(0.05), ..with_rule(Method::Mesh, rule) }, "interpolation");
-        refused(&RenderOptions { refine: Some(1), ..with_rule(Method::Mesh, rule) }, "interpolation");
+        refused(&with_rule(Method::UNBIASED, rule), "interpolation");
+        refused(&with_rule(Method::MESH, rule).with(|o| o.method = Method::with_error(0.05)), "interpolation");
+        refused(&with_rule(Method::MESH, rule).with(|o| o.mesh.refine = Some(1)), "interpolation");
     }
 }
 
@@ -124,8 +127,13 @@ fn weights_change_the_picture_a_little() {
     let scene = Scene::new(room()).expect("scene");
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
     let interpolation = Interpolation::Sphere { radius: 2.0 };
-    for method in [Method::Mesh, Method::Paper] {
-        let with = |weight| RenderOptions { interpolation, weight, ..options(method) };
+    for method in [Method::MESH, Method::PAPER] {
+        let with = |weight| {
+            options(method).with(|o| {
+                o.mesh.interpolation = interpolation;
+                o.mesh.weight = weight;
+            })
+        };
         let images = WEIGHTS.map(|weight| shoot(&scene, &room_camera(), &with(weight)).image);
         for (i, image) in images.iter().enumerate() {
             let d = difference(&image.pixels, &truth.pixels);
@@ -144,7 +152,10 @@ fn a_gaussian_is_sharper_than_equal_weights() {
     let truth = shoot(&scene, &room_camera(), &options(Method::Standard)).image;
     let interpolation = Interpolation::Sphere { radius: 3.0 };
     let error = |weight| {
-        let options = RenderOptions { interpolation, weight, ..options(Method::Mesh) };
+        let options = options(Method::MESH).with(|o| {
+            o.mesh.interpolation = interpolation;
+            o.mesh.weight = weight;
+        });
         difference(&shoot(&scene, &room_camera(), &options).image.pixels, &truth.pixels).relrmse
     };
     let [constant, gaussian] = [PointWeight::Constant, PointWeight::Gaussian].map(error);
@@ -161,7 +172,12 @@ fn weights_are_normalised_for_indirect_light_too() {
     let scene = Scene::new(data).expect("scene");
     for weight in WEIGHTS {
         let interpolation = Interpolation::Sphere { radius: 1.5 };
-        let options = RenderOptions { interpolation, weight, bounces: 2, gather_rays: 64, ..options(Method::Mesh) };
+        let options = options(Method::MESH).with(|o| {
+            o.mesh.interpolation = interpolation;
+            o.mesh.weight = weight;
+            o.transport.bounces = 2;
+            o.mesh.gather_rays = 64;
+        });
         for p in shoot(&scene, &room_camera(), &options).image.pixels {
             assert!((p / 1.875 - Vec3::ONE).abs().max_element() < 0.02, "{weight:?}: {p}");
         }
@@ -170,13 +186,13 @@ fn weights_are_normalised_for_indirect_light_too() {
 
 #[test]
 fn weights_are_for_spheres() {
-    let gaussian = |method| RenderOptions { weight: PointWeight::Gaussian, ..options(method) };
-    refused(&gaussian(Method::Mesh), "weight");
+    let gaussian = |method| options(method).with(|o| o.mesh.weight = PointWeight::Gaussian);
+    refused(&gaussian(Method::MESH), "weight");
     refused(&gaussian(Method::Hybrid), "weight");
     let rule = Interpolation::TrilinearWith(MissingCorners::Zero);
     for interpolation in [Interpolation::Trilinear, Interpolation::Nearest, rule] {
-        refused(&RenderOptions { interpolation, ..gaussian(Method::Paper) }, "weight");
+        refused(&gaussian(Method::PAPER).with(|o| o.mesh.interpolation = interpolation), "weight");
     }
     // The paper's own neighbourhood is a sphere.
-    assert!(gaussian(Method::Paper).validate().is_ok());
+    assert!(gaussian(Method::PAPER).validate().is_ok());
 }

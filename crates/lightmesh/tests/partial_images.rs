@@ -8,7 +8,7 @@ use lightmesh::distributed::{self, PartialImage, PictureSamples, Prepared, WaveR
 use lightmesh::{Aov, Camera, Error, Frame, LightMesh, Method, RenderOptions, Scene};
 
 const METHODS: [Method; 6] =
-    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
+    [Method::Standard, Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED, Method::Path];
 
 /// One of several machines: it has the scene, and a mesh of its own.
 struct Machine<'a> {
@@ -54,7 +54,13 @@ fn partial_images_merge_to_the_picture_that_is_made_in_one_go() {
     for method in METHODS {
         // 3 samples: waves are not full. 200 × 150 × 3 of them: two waves.
         let aovs = [Aov::Normal, Aov::Depth, Aov::Direct].into_iter().collect();
-        let options = RenderOptions { width: 200, height: 150, spp: 3, bounces: 1, aovs, ..options(method) };
+        let options = options(method).with(|o| {
+            o.picture.width = 200;
+            o.picture.height = 150;
+            o.picture.spp = 3;
+            o.transport.bounces = 1;
+            o.picture.aovs = aovs;
+        });
         let whole = shoot(&scene, &room_camera(), &options);
         let parts = by_two(&scene, &options);
         assert_eq!(parts.image, whole.image, "{method:?}");
@@ -70,11 +76,17 @@ fn machines_come_to_the_same_plan() {
     let lamp = |i: u32| point_light(Vec3::new(-1.8 + 0.1 * i as f32, 2.7, 0.03 * (i % 7) as f32), Vec3::splat(2.0));
     data.lights.extend((0..36).map(lamp));
     let scene = Scene::new(data).expect("scene");
-    let base = RenderOptions { width: 300, height: 240, ..options(Method::Mesh) };
+    let base = options(Method::MESH).with(|o| {
+        o.picture.width = 300;
+        o.picture.height = 240;
+    });
     for options in [
-        RenderOptions { error: Some(0.05), bounces: 1, ..base.clone() },
-        RenderOptions { refine: Some(2), ..base.clone() },
-        RenderOptions { graded: Some(2.0), ..base },
+        base.clone().with(|o| {
+            o.method = Method::with_error(0.05);
+            o.transport.bounces = 1;
+        }),
+        base.clone().with(|o| o.mesh.refine = Some(2)),
+        base.with(|o| o.mesh.lod_distance = Some(2.0)),
     ] {
         let whole = shoot(&scene, &room_camera(), &options);
         let parts = by_two(&scene, &options);
@@ -86,12 +98,16 @@ fn machines_come_to_the_same_plan() {
 #[test]
 fn parts_that_do_not_fit_together_are_refused() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
-    let options = RenderOptions { width: 200, height: 150, spp: 3, ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| {
+        o.picture.width = 200;
+        o.picture.height = 150;
+        o.picture.spp = 3;
+    });
     let camera = room_camera();
     let mut machine = Machine::new(&scene, &camera, &options);
     let [first, second] = [0..1, 1..2].map(|waves| machine.render(PictureSamples::All, waves).expect("part"));
     let message = |parts: &[PartialImage]| match distributed::merge_images(&scene, &camera, &options, parts, None) {
-        Err(Error::InvalidOption { option: "portions", what }) => what,
+        Err(Error::InvalidPortions { what }) => what,
         other => panic!("{other:?}"),
     };
     assert!(message(&[]).contains("waves 0 to 2 are missing"));
@@ -106,7 +122,7 @@ fn parts_that_do_not_fit_together_are_refused() {
     assert!(edges(&[first.clone(), foreign.clone()]).expect("edges").is_some());
     assert!(edges(&[first.clone(), blind(&foreign)]).is_err());
     assert!(edges(&[blind(&first), blind(&foreign)]).expect("none").is_none());
-    let nothing = RenderOptions { spp: 0, ..options.clone() };
+    let nothing = options.clone().with(|o| o.picture.spp = 0);
     assert!(distributed::find_emitter_edges(&scene, &camera, &nothing, &[]).is_err());
     assert!(distributed::merge_images(&scene, &camera, &nothing, &[], None).is_err());
 

@@ -91,8 +91,8 @@ fn a_users_torus_looks_like_its_triangles_in_every_tracer() {
     let mut meshed = stage();
     place(&mut meshed, triangulated());
     let (shaped, meshed) = (Scene::new(shaped).expect("scene"), Scene::new(meshed).expect("scene"));
-    for method in [Method::Standard, Method::Mesh, Method::Path] {
-        let options = lightmesh::RenderOptions { spacing: Spacing::Metres(0.2), ..options(method) };
+    for method in [Method::Standard, Method::MESH, Method::Path] {
+        let options = options(method).with(|o| o.mesh.spacing = Spacing::Metres(0.2));
         let (a, b) = (shoot(&shaped, &camera(), &options), shoot(&meshed, &camera(), &options));
         let d = difference(&a.image.pixels, &b.image.pixels);
         // A pixel at a shadow's edge or the silhouette may go either way.
@@ -121,7 +121,7 @@ fn mesh_points_inside_a_solid_are_invalid() {
     let mut data = stage();
     data.spheres.push(Sphere { center: Vec3::new(0.0, 0.8, 0.0), radius: 0.8, material: 1 });
     let scene = Scene::new(data).expect("scene");
-    let options = lightmesh::RenderOptions { spacing: Spacing::Metres(0.15), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Metres(0.15));
     let stats = shoot(&scene, &camera(), &options).stats.direct;
     assert!(stats.points_invalid > 0 && stats.points_invalid * 4 < stats.points_used, "{stats:?}");
 }
@@ -149,6 +149,6 @@ fn a_scene_of_a_single_point_renders_black() {
     let mut data = SceneData { materials: vec![Material::lambert(Vec3::ONE)], ..SceneData::default() };
     data.shapes.push(ShapeEntry { shape: std::sync::Arc::new(Nowhere), material: 0 });
     let scene = Scene::new(data).expect("scene");
-    let options = lightmesh::RenderOptions { spacing: Spacing::Auto, ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Auto);
     assert!(shoot(&scene, &camera(), &options).image.pixels.iter().all(|&p| p == Vec3::ZERO));
 }

@@ -11,10 +11,16 @@ use lightmesh::{Error, Interpolation, LightMesh, Method, RenderOptions, Scene, S
 fn requested_points_are_those_that_a_picture_reads() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
     let camera = room_camera();
-    for method in [Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased] {
+    for method in [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED] {
         for refine in [None, Some(2)] {
             let interpolation = if refine.is_some() { Interpolation::Trilinear } else { Interpolation::Auto };
-            let options = RenderOptions { width: 200, height: 150, spp: 3, refine, interpolation, ..options(method) };
+            let options = options(method).with(|o| {
+                o.picture.width = 200;
+                o.picture.height = 150;
+                o.picture.spp = 3;
+                o.mesh.refine = refine;
+                o.mesh.interpolation = interpolation;
+            });
             let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
             let prepared = distributed::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
             for _ in 0..mesh.level_count() {
@@ -93,7 +99,7 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
             group.light(scene, options, &mut meshes[i % 2], &()).expect("light");
         }
         let mut below = BounceValues::default();
-        for k in 0..=options.bounces {
+        for k in 0..=options.transport.bounces {
             let reflect = |group: &mut GatherBatch| group.bounce(scene, k, &below).expect("level");
             let parts: Vec<BounceValues> = groups.iter_mut().rev().map(reflect).collect();
             below = BounceValues::merge(&parts);
@@ -118,16 +124,24 @@ fn a_mesh_that_several_fill_is_the_mesh_that_one_fills() {
         Scene::new(data).expect("scene")
     });
     for (scene, method, bounces, refine) in [
-        (&dark, Method::Mesh, 0, None),
-        (&dark, Method::Mesh, 1, None),
-        (&dark, Method::Mesh, 2, Some(1)),
-        (&dark, Method::Paper, 3, None),
+        (&dark, Method::MESH, 0, None),
+        (&dark, Method::MESH, 1, None),
+        (&dark, Method::MESH, 2, Some(1)),
+        (&dark, Method::PAPER, 3, None),
         (&dark, Method::Hybrid, 3, None),
-        (&shining, Method::Mesh, 0, None),
-        (&shining, Method::Mesh, 3, None),
+        (&shining, Method::MESH, 0, None),
+        (&shining, Method::MESH, 3, None),
     ] {
-        let base = RenderOptions { width: 200, height: 150, spp: 3, gather_rays: 32, ..options(method) };
-        let options = RenderOptions { bounces, refine, ..base };
+        let base = options(method).with(|o| {
+            o.picture.width = 200;
+            o.picture.height = 150;
+            o.picture.spp = 3;
+            o.mesh.gather_rays = 32;
+        });
+        let options = base.with(|o| {
+            o.transport.bounces = bounces;
+            o.mesh.refine = refine;
+        });
         let whole = shoot(scene, &room_camera(), &options);
         let mut mesh = fill_by_two(scene, &options);
         let before = (mesh.stats().points_used, mesh.indirect_stats().points_used);
@@ -143,14 +157,14 @@ fn a_mesh_that_several_fill_is_the_mesh_that_one_fills() {
 #[test]
 fn bricks_of_another_mesh_are_refused() {
     let scene = Scene::new(room()).expect("scene");
-    let options = RenderOptions { bounces: 1, ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.transport.bounces = 1);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     for (level, brick) in [(1, 0), (0, u32::MAX)] {
         let bricks = [BrickMask { level, brick, mask: [1; 8] }];
         let direct = distributed::fill_direct(&scene, &options, &mut mesh, &bricks, &()).expect_err("no such brick");
         assert!(direct.to_string().contains("another mesh"), "{direct}");
         let indirect = GatherBatch::new(&scene, &options, &mesh, &bricks, &());
-        assert!(matches!(indirect, Err(Error::InvalidOption { option: "bricks", .. })));
+        assert!(matches!(indirect, Err(Error::InvalidBricks { .. })));
     }
     assert_eq!(mesh.stats().points_used, 0);
 }

@@ -3,12 +3,12 @@
 use crate::common::*;
 use glam::{Mat2, Vec2, Vec3};
 use lightmesh::{
-    AlphaMode, Camera, Filter, ImageData, Material, Method, Projection, RenderOptions, Scene, SceneData, Texels,
-    Texture, TextureRef, UvTransform, Wrap,
+    AlphaMode, Camera, Filter, ImageData, Material, Method, Projection, Scene, SceneData, Texels, Texture, TextureRef,
+    UvTransform, Wrap,
 };
 
 const METHODS: [Method; 6] =
-    [Method::Standard, Method::Mesh, Method::Paper, Method::Hybrid, Method::Unbiased, Method::Path];
+    [Method::Standard, Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED, Method::Path];
 
 /// A wall of 8 × 8 m at z = 0 that shows the pattern `texel` of 64 × 64 texels, `repeats` times in each direction.
 fn wall(repeats: f32, texel: impl Fn(u32, u32) -> f32) -> SceneData {
@@ -43,7 +43,7 @@ fn a_checkerboard_far_away_is_grey() {
     for camera in [frontal(8.0), parallel] {
         for method in METHODS {
             for spp in [1, 4] {
-                let image = shoot(&scene, &camera, &RenderOptions { spp, ..options(method) }).image;
+                let image = shoot(&scene, &camera, &options(method).with(|o| o.picture.spp = spp)).image;
                 for pixel in &image.pixels {
                     assert!((pixel.x - 0.5).abs() < 1e-3, "{method:?}, {spp} samples: {}", pixel.x);
                 }
@@ -79,7 +79,8 @@ fn four_samples_are_near_the_limit() {
         (along, 0.09, 0.55),
         (across, 0.095, 0.35),
     ] {
-        let at = |scene, spp| shoot(scene, &camera, &RenderOptions { spp, ..options(Method::Standard) }).image.pixels;
+        let at =
+            |scene, spp| shoot(scene, &camera, &options(Method::Standard).with(|o| o.picture.spp = spp)).image.pixels;
         let truth = at(&points, 1024);
         let (noise, bias) = error(&at(&filtered, 4), &truth);
         let (noise_of_points, _) = error(&at(&points, 4), &truth);

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use lightmesh::{Aov, Error, Frame, Image, LightMesh, Method, Progress, RenderOptions, Scene, Viewer, render};
 
-const METHODS: [Method; 4] = [Method::Standard, Method::Mesh, Method::Paper, Method::Path];
+const METHODS: [Method; 4] = [Method::Standard, Method::MESH, Method::PAPER, Method::Path];
 
 /// Keeps every picture it is shown.
 #[derive(Default)]
@@ -39,7 +39,11 @@ fn a_viewer_changes_nothing_and_sees_the_finished_picture_last() {
     for method in METHODS {
         for spp in [1, 4, 20] {
             let aovs = [Aov::Normal, Aov::Depth, Aov::Direct].into_iter().collect();
-            let options = RenderOptions { spp, bounces: 1, aovs, ..options(method) };
+            let options = options(method).with(|o| {
+                o.picture.spp = spp;
+                o.transport.bounces = 1;
+                o.picture.aovs = aovs;
+            });
             let alone = shoot(&scene, &room_camera(), &options);
             let (frame, album) = watched(&scene, &options);
             assert_eq!(frame.image, alone.image, "{method:?} {spp}");
@@ -58,7 +62,7 @@ fn a_viewer_changes_nothing_and_sees_the_finished_picture_last() {
 fn sketches_come_first_and_resemble_the_picture() {
     let scene = Scene::new(room()).expect("scene");
     for method in METHODS {
-        let options = RenderOptions { spp: 4, ..options(method) };
+        let options = options(method).with(|o| o.picture.spp = 4);
         let (frame, album) = watched(&scene, &options);
         let error = |image: &Image| {
             assert_eq!((image.width, image.height, image.pixels.len()), (64, 48, 64 * 48));
@@ -100,7 +104,7 @@ fn nothing_but_the_end_for_who_wants_nothing() {
         }
     }
     let scene = Scene::new(room()).expect("scene");
-    let options = options(Method::Mesh);
+    let options = options(Method::MESH);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let patient = Patient::default();
     let frame = render(&scene, &room_camera(), &options, &mut mesh, &patient).expect("frame");
@@ -112,7 +116,10 @@ fn nothing_but_the_end_for_who_wants_nothing() {
 fn a_tiny_limit_takes_one_sample_per_pixel() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
     for method in METHODS {
-        let limited = RenderOptions { spp: 100, time_limit: Some(Duration::from_nanos(1)), ..options(method) };
+        let limited = options(method).with(|o| {
+            o.picture.spp = 100;
+            o.picture.time_limit = Some(Duration::from_nanos(1));
+        });
         let frame = shoot(&scene, &room_camera(), &limited);
         assert_eq!((frame.stats.spp, frame.stats.time_limit_reached), (1, true), "{method:?}");
         assert_eq!(frame.stats.rays.primary, 64 * 48);
@@ -122,7 +129,7 @@ fn a_tiny_limit_takes_one_sample_per_pixel() {
         assert_eq!(album.last(), Some(&frame.image), "{method:?}");
 
         // The most is one: at the pixels' centres, as without a limit.
-        let one = RenderOptions { spp: 1, ..limited };
+        let one = limited.with(|o| o.picture.spp = 1);
         let frame = shoot(&scene, &room_camera(), &one);
         assert!(!frame.stats.time_limit_reached);
         assert_eq!(frame.image, shoot(&scene, &room_camera(), &options(method)).image, "{method:?}");
@@ -135,8 +142,8 @@ fn a_tiny_limit_takes_one_sample_per_pixel() {
 fn a_generous_limit_takes_all_samples() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
     for method in METHODS {
-        let free = RenderOptions { spp: 4, ..options(method) };
-        let limited = RenderOptions { time_limit: Some(Duration::from_secs(3600)), ..free.clone() };
+        let free = options(method).with(|o| o.picture.spp = 4);
+        let limited = free.clone().with(|o| o.picture.time_limit = Some(Duration::from_secs(3600)));
         let (free, limited) = (shoot(&scene, &room_camera(), &free), shoot(&scene, &room_camera(), &limited));
         assert_eq!((limited.stats.spp, limited.stats.time_limit_reached), (4, false), "{method:?}");
         assert_eq!(limited.stats.rays.primary, free.stats.rays.primary, "{method:?}");
@@ -164,9 +171,17 @@ fn the_limit_is_kept() {
     };
     for method in METHODS {
         let aovs = [Aov::Direct, Aov::Indirect].into_iter().collect();
-        let free = RenderOptions { spp: 1, bounces: 1, gather_rays: 16, aovs, ..options(method) };
+        let free = options(method).with(|o| {
+            o.picture.spp = 1;
+            o.transport.bounces = 1;
+            o.mesh.gather_rays = 16;
+            o.picture.aovs = aovs;
+        });
         let limit = Duration::from_millis(500).max(4 * timed(&free).1);
-        let (frame, time) = timed(&RenderOptions { spp: 65536, time_limit: Some(limit), ..free });
+        let (frame, time) = timed(&free.with(|o| {
+            o.picture.spp = 65536;
+            o.picture.time_limit = Some(limit);
+        }));
         assert!(frame.stats.time_limit_reached && frame.stats.spp > 1, "{method:?}: {}", frame.stats.spp);
         assert!(time >= limit && time < 2 * limit + Duration::from_millis(1500), "{method:?}: {time:?} of {limit:?}");
         let layer = |i: usize| frame.layers[i].values.as_chunks().0.iter().map(|&rgb| Vec3::from_array(rgb));
@@ -179,6 +194,6 @@ fn the_limit_is_kept() {
 
 #[test]
 fn no_time_is_no_limit_that_can_be_kept() {
-    let options = RenderOptions { time_limit: Some(Duration::ZERO), ..options(Method::Mesh) };
+    let options = options(Method::MESH).with(|o| o.picture.time_limit = Some(Duration::ZERO));
     assert!(matches!(options.validate(), Err(Error::InvalidOption { option: "time-limit", .. })));
 }

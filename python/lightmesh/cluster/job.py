@@ -19,10 +19,10 @@ CameraChoice: TypeAlias = Camera | str | int | None
 GATHER_BYTES = 2 << 30
 
 #: Methods that fill no mesh.
-_WITHOUT_MESH = ("standard", "path")
+_WITHOUT_MESH = ("standard", "exact", "path")
 
 #: Options for which the whole picture is looked at before it is made.
-_LOOKS_AT_ALL = ("error", "refine", "graded")
+_LOOKS_AT_ALL = ("error", "refine", "lod_distance", "graded")
 
 
 @dataclass(frozen=True)

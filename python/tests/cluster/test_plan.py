@@ -27,7 +27,7 @@ def test_a_picture_is_the_local_one(scene: Scene, method: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "more", [{"refine": 1}, {"graded": 0.5}, {"error": 0.1}, {"light_radius": 0.03}, {"aov": "normal,depth"}]
+    "more", [{"refine": 1}, {"lod_distance": 0.5}, {"error": 0.1}, {"light_radius": 0.03}, {"aov": "normal,depth"}]
 )
 def test_so_are_those_that_need_a_look_at_all_of_it(scene: Scene, more: dict[str, Any]) -> None:
     options = OPTIONS | {"spp": 2, "interpolation": "trilinear"} | more

@@ -1,29 +1,40 @@
-//! `--environment`.
+//! Light from all sides, as a user asks for it.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use lightmesh_io::output::linear_from_srgb;
 
-/// Light from all sides as the command line asks for it.
+/// Light from all sides, as a user asks for it: a file, `R,G,B` (linear) or `#rrggbb` (sRGB).
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum EnvironmentArg {
+pub enum EnvironmentArg {
     /// A latitude-longitude map.
     File(PathBuf),
     /// One colour in every direction, linear.
     Color(Vec3),
 }
 
-/// Parses a file name, `R,G,B` or `#rrggbb`.
-pub(crate) fn parse(text: &str) -> Result<EnvironmentArg, String> {
-    let is_map = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("hdr") || e.eq_ignore_ascii_case("exr");
-    if Path::new(text).extension().is_some_and(is_map) {
-        return Ok(EnvironmentArg::File(text.into()));
+pub(super) const EXPECTED: &str = "a .hdr or .exr file, R,G,B of linear numbers from 0 on, or #rrggbb";
+
+impl EnvironmentArg {
+    /// Parses a file name, `R,G,B` or `#rrggbb`; `None` for any other text.
+    pub fn parse(text: &str) -> Option<Self> {
+        let is_map = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("hdr") || e.eq_ignore_ascii_case("exr");
+        if Path::new(text).extension().is_some_and(is_map) {
+            return Some(Self::File(text.into()));
+        }
+        hex(text).or_else(|| triple(text)).map(Self::Color)
     }
-    hex(text)
-        .or_else(|| triple(text))
-        .map(EnvironmentArg::Color)
-        .ok_or_else(|| "expected a .hdr or .exr file, R,G,B of linear numbers from 0 on, or #rrggbb".to_owned())
+}
+
+impl fmt::Display for EnvironmentArg {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Color(c) => write!(f, "{},{},{}", c.x, c.y, c.z),
+        }
+    }
 }
 
 /// `#rrggbb`, sRGB.
@@ -46,16 +57,18 @@ mod tests {
 
     #[test]
     fn files_and_colours() {
-        assert_eq!(parse("a/sky.HDR"), Ok(EnvironmentArg::File("a/sky.HDR".into())));
-        assert_eq!(parse("1,2.hdr"), Ok(EnvironmentArg::File("1,2.hdr".into())));
-        assert_eq!(parse("0.5, 1e3,0"), Ok(EnvironmentArg::Color(Vec3::new(0.5, 1000.0, 0.0))));
-        assert_eq!(parse("#ff0000"), Ok(EnvironmentArg::Color(Vec3::X)));
-        let Ok(EnvironmentArg::Color(grey)) = parse("#bcBCbc") else { panic!("a colour") };
+        let parse = EnvironmentArg::parse;
+        assert_eq!(parse("a/sky.HDR"), Some(EnvironmentArg::File("a/sky.HDR".into())));
+        assert_eq!(parse("1,2.hdr"), Some(EnvironmentArg::File("1,2.hdr".into())));
+        assert_eq!(parse("0.5, 1e3,0"), Some(EnvironmentArg::Color(Vec3::new(0.5, 1000.0, 0.0))));
+        assert_eq!(parse("#ff0000"), Some(EnvironmentArg::Color(Vec3::X)));
+        let Some(EnvironmentArg::Color(grey)) = parse("#bcBCbc") else { panic!("a colour") };
         assert!((grey - 0.502_886).abs().max_element() < 1e-4, "{grey}");
+        assert_eq!(parse(&EnvironmentArg::Color(grey).to_string()), Some(EnvironmentArg::Color(grey)));
         for bad in
             ["", "sky", "sky.png", "1", "1,2", "1,2,3,4", "1,-2,3", "nan,1,1", "inf,1,1", "#fff", "#ff00gg", "#+ff00f"]
         {
-            assert!(parse(bad).is_err(), "{bad}");
+            assert_eq!(parse(bad), None, "{bad}");
         }
     }
 }

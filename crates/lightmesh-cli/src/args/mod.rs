@@ -1,35 +1,25 @@
 //! The arguments of the command line.
 
-mod aov;
+mod choices;
 mod completions;
-mod emitters;
 mod environment;
 mod exposure;
-mod falloff;
-mod interpolation;
 mod man;
-mod memory;
-mod method;
 mod render;
 mod reproduce;
-mod size;
-mod spacing;
-mod time_limit;
-mod weight;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use lightmesh::Limits;
+use lightmesh::schema::{self, Value, parse_bytes, spell_bytes};
 
-pub(crate) use self::{
-    completions::CompletionsArgs, environment::EnvironmentArg, interpolation::spell as spell_interpolation,
-    man::ManArgs, render::RenderArgs, reproduce::ReproduceArgs, weight::name as weight_name,
-};
 pub use self::{
-    emitters::EmitterArgs,
+    choices::{Choice, Chosen, EmitterArgs, SURROUNDINGS, Surroundings, choice, choices},
+    environment::EnvironmentArg,
     exposure::{Exposure, parse as parse_exposure},
-    method::name as method_name,
 };
+pub(crate) use self::{completions::CompletionsArgs, man::ManArgs, render::RenderArgs, reproduce::ReproduceArgs};
 
 /// Renders scenes lit by many lights, with light meshes.
 #[derive(Debug, Parser)]
@@ -73,8 +63,21 @@ pub(crate) struct InfoArgs {
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Most memory that reading may take, in B, KB, MB, GB, KiB, MiB or GiB
-    #[arg(long, value_name = "SIZE", default_value = memory::DEFAULT, value_parser = memory::parse)]
-    pub(crate) max_memory: u64,
+    #[arg(long, value_name = "SIZE", default_value_t = spell_bytes(Limits::default().max_memory), value_parser = bytes, allow_hyphen_values = true)]
+    max_memory: String,
+}
+
+impl InfoArgs {
+    /// Returns the most memory that reading may take, bytes.
+    pub(crate) fn max_memory(&self) -> u64 {
+        parse_bytes(&self.max_memory).unwrap_or_default()
+    }
+}
+
+/// Checks a size in bytes.
+fn bytes(text: &str) -> Result<String, String> {
+    let about = schema::named("max-memory").map(|entry| entry.about.kind);
+    about.map_or_else(|| Ok(text.to_owned()), |kind| kind.read(&Value::text(text)).map(|value| value.to_string()))
 }
 
 /// Arguments of `compare`.

@@ -8,6 +8,7 @@ mod help;
 #[cfg(unix)]
 mod interrupt;
 mod mesh_file;
+mod options;
 mod place;
 #[cfg(unix)]
 mod preview;

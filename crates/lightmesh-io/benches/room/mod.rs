@@ -19,13 +19,12 @@ pub(crate) fn open(path: &str) -> Result<(SceneData, Camera), Box<dyn std::error
 
 /// Direct light at 800 × 800, one sample per pixel, from a mesh of so many points along the longest edge.
 pub(crate) fn direct_light(method: Method, points: f32) -> RenderOptions {
-    RenderOptions {
-        method,
-        width: 800,
-        height: 800,
-        spp: 1,
-        bounces: 0,
-        spacing: Spacing::Fraction(points),
-        ..RenderOptions::default()
-    }
+    RenderOptions::default().with(|o| {
+        o.method = method;
+        o.picture.width = 800;
+        o.picture.height = 800;
+        o.picture.spp = 1;
+        o.transport.bounces = 0;
+        o.mesh.spacing = Spacing::Fraction(points);
+    })
 }

@@ -26,16 +26,18 @@
 
 mod arrays;
 mod read;
+mod settings;
 mod tensor;
 mod write;
 
 use std::path::Path;
 
-use lightmesh::{Cursor, Fingerprint, LightMesh, RenderOptions, Scene, Snapshot};
+use lightmesh::{Cursor, Fingerprint, LightMesh, MeshKey, RenderOptions, Scene, Snapshot};
 
 use crate::error::{Error, one_line};
 
 pub use read::{mesh_from_bytes, read_mesh};
+pub use settings::setting;
 pub use write::{mesh_to_bytes, write_mesh, write_mesh_to};
 
 /// The contents of a mesh file.
@@ -94,18 +96,32 @@ impl MeshFile {
         if self.scene != scene {
             return Err(Error::OtherScene { file: name() });
         }
-        let (method, bounces) = (one_line(&self.method), self.bounces());
-        let other = |what: String| Err(Error::OtherSettings { file: name(), method: method.clone(), what });
-        if self.settings_fingerprint != Fingerprint::of_settings(options) {
-            let what = "other settings of method, spacing, interpolation, falloff, refinement, light error, gather rays, depth or \
-                        seed";
-            return other(what.into());
+        let other = |what: String| Err(Error::OtherSettings { file: name(), what });
+        let asked = MeshKey::of(options);
+        if self.settings_fingerprint != Fingerprint::of_key(&asked) {
+            let difference = self.key().and_then(|key| key.difference(&asked));
+            return other(difference.map_or_else(
+                || {
+                    format!(
+                        "was made with other settings, which it names itself; its method is {}",
+                        one_line(&self.method)
+                    )
+                },
+                |difference| difference.to_string(),
+            ));
         }
         // A mesh without bounces may have indirect light, if it is only emission.
-        if bounces < options.bounces {
-            return other(format!("{bounces} bounces, not {}", options.bounces));
+        let (own, bounces) = (self.bounces(), options.transport.bounces);
+        if own < bounces {
+            return other(format!("was made with bounces {own}, and the options ask for {bounces}"));
         }
         Ok(())
+    }
+
+    /// Returns the key of the mesh, from the settings that it names; `None` where those are not the ones of its fingerprint.
+    fn key(&self) -> Option<MeshKey> {
+        let key = MeshKey::of(&settings::render_options(&self.settings)?);
+        Some(key).filter(|key| Fingerprint::of_key(key) == self.settings_fingerprint)
     }
 
     /// Makes a mesh for renders with these options, with the points of the file. The file may be for more bounces.
@@ -116,7 +132,7 @@ impl MeshFile {
     pub fn into_mesh(self, file: &Path, scene: &Scene, options: &RenderOptions) -> Result<LightMesh, Error> {
         self.check(file, Fingerprint::of_scene(scene), options)?;
         let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
-        let options = RenderOptions { bounces: self.bounces(), ..options.clone() };
+        let options = options.clone().with(|o| o.transport.bounces = self.bounces());
         let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
         mesh.merge(&self.contents).map_err(failed)?;
         Ok(mesh)

@@ -5,13 +5,14 @@ mod fill;
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::{LightMesh, RenderOptions};
+use lightmesh::LightMesh;
+use lightmesh_cli::Chosen;
 use pyo3::prelude::*;
 
 pub(crate) use self::arrays::{Part, PyMeshArrays};
 pub(crate) use self::fill::Target;
 use crate::built::Built;
-use crate::keywords::{self, Pairs};
+use crate::keywords::Keywords;
 use crate::scene::{LitScene, PyScene};
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::locked;
@@ -21,7 +22,7 @@ use crate::{arrays as numbers, error, meters};
 ///
 /// scene: what it belongs to; when that is changed, the mesh no longer serves it.
 /// The options are those of Scene.render; the ones that decide about the mesh (method, bounces, spacings,
-/// interpolation, weight, falloffs, refine, graded, error, light_error, gather_rays, seed, and what lights the scene)
+/// interpolation, weight, falloffs, refine, lod_distance, error, light_error, gather_rays, seed, and what lights the scene)
 /// cannot be changed afterwards, and all of them hold for pictures with this mesh that do not say otherwise.
 ///
 /// >>> mesh = LightMesh(scene, spacing="1/80")
@@ -35,7 +36,7 @@ pub(crate) struct PyLightMesh {
     pub(crate) scene: Py<PyScene>,
     /// Of the scene when the mesh was made.
     revision: u64,
-    chosen: Pairs,
+    chosen: Chosen,
     /// Keeps the scene that the mesh was made for.
     built: Arc<Built>,
     pub(crate) mesh: SharedMesh,
@@ -47,12 +48,12 @@ pub(crate) struct PyLightMesh {
 pub(crate) fn lit_scene(
     scene: &Bound<'_, PyScene>,
     mesh: Option<&Bound<'_, PyLightMesh>>,
-    chosen: &Pairs,
+    chosen: &Chosen,
 ) -> PyResult<LitScene> {
     if let Some(mesh) = mesh {
         return mesh.get().lit_scene(scene, chosen);
     }
-    let keywords = keywords::parse(scene.py(), chosen)?;
+    let keywords = Keywords::new(scene.py(), chosen)?;
     let built = scene.get().lit(scene.py(), &keywords)?;
     Ok(LitScene { keywords, built })
 }
@@ -61,11 +62,11 @@ impl PyLightMesh {
     /// Makes an object of the mesh that `make` returns.
     pub(crate) fn with(
         scene: &Bound<'_, PyScene>,
-        chosen: Pairs,
+        chosen: Chosen,
         make: impl FnOnce(&LitScene) -> PyResult<LightMesh>,
     ) -> PyResult<Self> {
         let py = scene.py();
-        let keywords = keywords::parse(py, &chosen)?;
+        let keywords = Keywords::new(py, &chosen)?;
         if !keywords.mesh_options().method.has_mesh() {
             return Err(error::option(py, "method: standard and path have no mesh"));
         }
@@ -78,7 +79,7 @@ impl PyLightMesh {
     }
 
     /// Returns the options of a picture with this mesh, and the scene that the mesh was made for.
-    fn lit_scene(&self, scene: &Bound<'_, PyScene>, chosen: &Pairs) -> PyResult<LitScene> {
+    fn lit_scene(&self, scene: &Bound<'_, PyScene>, chosen: &Chosen) -> PyResult<LitScene> {
         let py = scene.py();
         if !self.scene.is(scene) {
             return Err(error::option(py, "mesh: belongs to another scene"));
@@ -86,7 +87,7 @@ impl PyLightMesh {
         if self.revision != scene.get().revision() {
             return Err(error::option(py, "mesh: the scene was changed since it was made; make a new one"));
         }
-        let keywords = keywords::parse(py, &keywords::over(&self.chosen, chosen))?;
+        let keywords = Keywords::new(py, &self.chosen.over(chosen))?;
         if *keywords.emitters() != self.built.emitters {
             let message = "mesh: was made for another environment, light_samples or light_radius";
             return Err(error::option(py, message));
@@ -96,7 +97,7 @@ impl PyLightMesh {
 
     /// Returns the mesh's own options, and the scene that it was made for.
     pub(crate) fn own_scene(&self, py: Python<'_>) -> PyResult<LitScene> {
-        self.lit_scene(self.scene.bind(py), &Pairs::new())
+        self.lit_scene(self.scene.bind(py), &Chosen::default())
     }
 
     /// Reads the mesh as it is.
@@ -117,7 +118,8 @@ impl PyLightMesh {
         let meters = numbers::meters(positions, normals)?;
         let lit = self.own_scene(py)?;
         let options = lit.keywords.mesh_options();
-        let options = RenderOptions { bounces: bounces.unwrap_or(options.bounces), ..options };
+        let bounces = bounces.unwrap_or(options.transport.bounces);
+        let options = options.with(|o| o.transport.bounces = bounces);
         meters::measure(py, lit, options, meters, Some(&self.mesh), progress)
     }
 
@@ -131,7 +133,7 @@ impl PyLightMesh {
                 return Ok(arrays);
             }
         }
-        let bounces = keywords::parse(py, &self.chosen)?.mesh_options().bounces;
+        let bounces = Keywords::new(py, &self.chosen)?.mesh_options().transport.bounces;
         let arrays = self.with_mesh(py, |mesh| PyMeshArrays::new(mesh, bounces))?;
         let arrays = Bound::new(py, arrays)?;
         *locked(&self.arrays) = Some(arrays.clone().unbind());

@@ -21,11 +21,11 @@ impl PyLightMesh {
     #[new]
     #[pyo3(
         signature = (scene, **options),
-        text_signature = "(scene, *, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, graded=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB')"
+        text_signature = "(scene, *, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB')"
     )]
     fn new(scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let py = scene.py();
-        let chosen = keywords::pairs("LightMesh", options)?;
+        let chosen = keywords::chosen("LightMesh", options)?;
         Self::with(scene, chosen, |LitScene { keywords, built }| {
             let (options, built) = (keywords.mesh_options(), Arc::clone(built));
             let make = move |_: &work::Watch| LightMesh::new(&built.scene, &options);
@@ -41,11 +41,11 @@ impl PyLightMesh {
     #[staticmethod]
     #[pyo3(
         signature = (path, scene, **options),
-        text_signature = "(path, scene, *, size=None, method=None, spp=None, time_limit=None, bounces=None, error=None, depth=None, cutoff=0.001, falloff=None, light_error=None, seed=None, environment=None, environment_strength=None, environment_rotation=None, light_samples=None, light_radius=None, spacing=None, indirect_spacing=None, gather_rays=None, refine=None, graded=None, rays=None, interpolation=None, weight=None, field_falloff=None, paper_scale=None, aov=None, threads=None, max_memory='4GiB')"
+        text_signature = "(path, scene, *, size=None, method=None, spp=None, time_limit=None, bounces=None, error=None, depth=None, cutoff=0.001, falloff=None, light_error=None, seed=None, environment=None, environment_strength=None, environment_rotation=None, light_samples=None, light_radius=None, spacing=None, indirect_spacing=None, gather_rays=None, refine=None, lod_distance=None, rays=None, interpolation=None, weight=None, field_falloff=None, paper_scale=None, aov=None, threads=None, max_memory='4GiB')"
     )]
     fn load(path: PathBuf, scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let py = scene.py();
-        let file = mesh_files::open(py, path, &keywords::pairs("load", options)?)?;
+        let file = mesh_files::open(py, path, &keywords::chosen("load", options)?)?;
         let chosen = file.chosen.clone();
         Self::with(scene, chosen, |lit| file.into_mesh(py, lit))
     }
@@ -93,7 +93,7 @@ impl PyLightMesh {
     /// progress: as for Scene.render, in meters.
     ///
     /// What a meter reads depends on its place and direction alone, bit for bit. Meters outside Scene.bounds, where no
-    /// mesh is, shoot rays of their own. error, refine and graded follow a picture: a mesh that was made with them
+    /// mesh is, shoot rays of their own. error, refine and lod_distance follow a picture: a mesh that was made with them
     /// cannot measure, which is an OptionError.
     #[pyo3(signature = (positions, normals, *, progress=None))]
     fn irradiance<'py>(
@@ -197,7 +197,7 @@ impl PyLightMesh {
         PyMeshArrays::valid(&self.snapshot(py)?, Part::Direct)
     }
 
-    /// Levels of the points of the direct mesh: (N,), uint8; all 0 without refine, graded and error.
+    /// Levels of the points of the direct mesh: (N,), uint8; all 0 without refine, lod_distance and error.
     #[getter]
     fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         PyMeshArrays::levels(&self.snapshot(py)?, Part::Direct)

@@ -1,6 +1,5 @@
 //! The methods of Scene.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 use lightmesh::geometry::{Sphere, TriangleMesh};
@@ -50,16 +49,8 @@ impl PyScene {
         max_memory: Option<&Bound<'_, PyAny>>,
         scene: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let mut pairs = vec![("units".to_owned(), OsString::from(units))];
-        if allow_outside {
-            pairs.push(("allow_outside".to_owned(), "true".into()));
-        }
-        for (name, value) in [("max_memory", max_memory), ("scene", scene)] {
-            if let Some(value) = value {
-                pairs.push((name.to_owned(), keywords::spell(name, value)?));
-            }
-        }
-        scene::load(py, path, &pairs)
+        let options = scene::load_options(py, units, allow_outside, max_memory, scene)?;
+        scene::load(py, path, options)
     }
 
     /// Writes the scene as bytes, for other processes of this version of lightmesh; from_bytes reads them. Pickling
@@ -277,7 +268,7 @@ impl PyScene {
     ///
     /// camera: a Camera, or the name or index of one of the scene's; None: the first, or one that frames the scene.
     /// size: (width, height) or "WxH", pixels; None: 1280 wide, the height from the camera's aspect.
-    /// method: "mesh", "paper", "standard", "hybrid", "unbiased" or "path".
+    /// method: "mesh", "paper", "standard" (also called "exact"), "hybrid", "unbiased" or "path".
     /// spp: samples per pixel; None: 4, with time_limit (seconds) as many as there is time for.
     /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None:
     /// none.
@@ -288,7 +279,7 @@ impl PyScene {
     /// light_radius: metres, makes lights spheres. Where nothing shines at all, there is a soft environment.
     /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the
     /// indirect mesh.
-    /// refine: how often meshes may halve their spacing. graded: metres from the camera within which they are denser.
+    /// refine: how often meshes may halve their spacing. lod_distance: metres from the camera within which they are denser.
     /// rays: with method "unbiased". interpolation: "auto", "trilinear", "trilinear:RULE", "nearest", "sphere" or
     /// "sphere:R".
     /// weight, field_falloff, paper_scale: variants of the paper.
@@ -305,7 +296,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, graded=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB', mesh=None, progress=None)"
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB', mesh=None, progress=None)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
@@ -315,7 +306,7 @@ impl PyScene {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyImage> {
         let (py, scene) = (slf.py(), slf.get());
-        let chosen = keywords::pairs("render", options)?;
+        let chosen = keywords::chosen("render", options)?;
         let lit = light_mesh::lit_scene(slf, mesh, &chosen)?;
         let camera = scene_camera(lit.built.scene.data(), camera)?;
         let progress = Listener::new(py, progress)?;
@@ -344,8 +335,8 @@ impl PyScene {
         progress: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        // error, refine, graded and time_limit are known too, so that it is said why meters do not have them.
-        let chosen = keywords::pairs_without("irradiance", &["size", "aov", "cutoff"], options)?;
+        // error, refine, lod_distance and time_limit are known too, so that it is said why meters do not have them.
+        let chosen = keywords::chosen_without("irradiance", &["size", "aov", "cutoff"], options)?;
         let meters = arrays::meters(positions, normals)?;
         let lit = light_mesh::lit_scene(slf, mesh, &chosen)?;
         let options = lit.keywords.mesh_options();

@@ -4,6 +4,7 @@ use glam::{Affine3A, Quat, Vec3};
 use lightmesh::{Camera, Environment, Material, SceneData};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 
 use crate::camera::PyCamera;
 use crate::material::{self, PyMaterial};
@@ -40,17 +41,24 @@ pub(crate) fn scene_camera(data: &SceneData, wanted: Option<&Bound<'_, PyAny>>) 
             if let Some(camera) = value.extract::<usize>().ok().and_then(|index| data.cameras.get(index)) {
                 return Ok(camera.clone());
             }
-            Some((keywords::spell("camera", value)?, value.py()))
+            Some((camera_name(value)?, value.py()))
         }
     };
-    let name = wanted.as_ref().map(|(name, _)| name.to_string_lossy());
-    match (lightmesh_cli::choose_camera(data, name.as_deref()), wanted) {
+    let name = wanted.as_ref().map(|(name, _)| name.as_str());
+    match (lightmesh_cli::choose_camera(data, name), wanted) {
         (Ok((camera, _)), _) => Ok(camera),
         (Err(error), Some((_, py))) => {
             Err(error::option(py, error.to_string().replace("the file has", "the scene has")))
         }
         (Err(error), None) => Err(PyValueError::new_err(error.to_string())),
     }
+}
+
+/// Returns the name of a camera, or its index as text.
+fn camera_name(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let number = || if value.is_instance_of::<PyBool>() { None } else { keywords::number(value) };
+    let text = value.extract().ok().or_else(|| number().map(|number| number.to_string()));
+    text.ok_or_else(|| PyTypeError::new_err("camera: must be a Camera, or the name or index of one of the scene's"))
 }
 
 /// Returns the index of a material; adds it if it is new.

@@ -3,13 +3,13 @@
 use std::sync::{Arc, Mutex};
 
 use lightmesh::SceneData;
-use lightmesh_cli::{EmitterArgs, Keywords};
+use lightmesh_cli::{Chosen, EmitterArgs};
 use pyo3::prelude::*;
 
 use super::{Origin, PyScene};
 use crate::built::{Built, State};
 use crate::error::{self, Raise};
-use crate::keywords;
+use crate::keywords::Keywords;
 use crate::work::{self, AtInterrupt, locked};
 
 pub(super) struct Inner {
@@ -83,7 +83,7 @@ impl PyScene {
     pub(crate) fn built(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
         match self.state() {
             State::Built(built) => Ok(built),
-            State::Draft(_) => self.lit(py, &keywords::parse(py, &keywords::Pairs::new())?),
+            State::Draft(_) => self.lit(py, &Keywords::new(py, &Chosen::default())?),
         }
     }
 
@@ -100,7 +100,7 @@ impl PyScene {
         };
 
         // Build it without holding the lock.
-        let max_memory = keywords.mesh_options().max_memory;
+        let max_memory = keywords.mesh_options().limits.max_memory;
         let work = move |_: &work::Watch| Built::new(state.into_data(), &emitters, max_memory);
         let built = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, work)?;
         let built = Arc::new(built.map_err(|error| error.raise(py))?);

@@ -14,21 +14,22 @@ const PART: Rect<f32> = Rect { left: 0.12, top: 0.7, width: 0.2, height: 0.2 };
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let side: u32 = if lab.quick { 160 } else { 480 };
     let place = lab.place(SceneName::Cornell)?;
-    let with = |method, bounces| RenderOptions {
-        method,
-        width: side,
-        height: side,
-        spp: 4,
-        bounces,
-        ..RenderOptions::default()
+    let with = |method, bounces| {
+        RenderOptions::default().with(|o| {
+            o.method = method;
+            o.picture.width = side;
+            o.picture.height = side;
+            o.picture.spp = 4;
+            o.transport.bounces = bounces;
+        })
     };
 
     // Render direct light, one bounce, several, and the paper's method.
     let ways = [
-        ("direct light", with(Method::Mesh, 0)),
-        ("one bounce", with(Method::Mesh, 1)),
-        ("six bounces", with(Method::Mesh, 6)),
-        ("paper, one bounce", with(Method::Paper, 1)),
+        ("direct light", with(Method::MESH, 0)),
+        ("one bounce", with(Method::MESH, 1)),
+        ("six bounces", with(Method::MESH, 6)),
+        ("paper, one bounce", with(Method::PAPER, 1)),
     ];
     let mut shots = Vec::new();
     for (_, options) in &ways {

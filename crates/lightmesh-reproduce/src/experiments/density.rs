@@ -23,7 +23,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     // Time the paper's method and ours at every density, each twice as coarse as the one before.
     let mut ways = Vec::new();
     for &points in points {
-        ways.extend([papers(size, points), direct(Method::Mesh, size, points)]);
+        ways.extend([papers(size, points), direct(Method::MESH, size, points)]);
     }
     let seconds = lab.race(&place, &ways)?;
 

@@ -1,6 +1,6 @@
 //! What the paper named as future work, as options of the product.
 
-use lightmesh::{Falloff, Interpolation, Method, PointWeight, RenderOptions};
+use lightmesh::{Falloff, Interpolation, Method, PaperScale, PointWeight};
 
 use super::lights::papers;
 use crate::error::Error;
@@ -21,8 +21,11 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ("0.5 m + r and 0.5 m + r", falloff(0.5), falloff(0.5)),
         ("10 m + r and r²", falloff(10.0), Falloff::InverseSquare),
     ] {
-        let options = RenderOptions { field_falloff: field, falloff: sum, ..papers(size, 40.0) };
-        let standard = lab.shot(&place, &RenderOptions { falloff: sum, ..direct(Method::Standard, size, 40.0) })?;
+        let options = papers(size, 40.0).with(|o| {
+            o.method = Method::Paper { field_falloff: field, scale: PaperScale::Visibility };
+            o.transport.falloff = sum;
+        });
+        let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0).with(|o| o.transport.falloff = sum))?;
         let shot = lab.shot(&place, &options)?;
         rows.push(vec![name.into(), (100.0 * shot.error(&standard)).into()]);
     }
@@ -35,11 +38,12 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     // φ4 and φ5: of the direct field against exact light, of the indirect one by how much it differs from equal
     // weights.
     let standard = lab.shot(&place, &direct(Method::Standard, size, 40.0))?;
-    let sphere = |weight, bounces| RenderOptions {
-        interpolation: Interpolation::Sphere { radius: 2.0 },
-        weight,
-        bounces,
-        ..papers(size, 40.0)
+    let sphere = |weight, bounces| {
+        papers(size, 40.0).with(|o| {
+            o.mesh.interpolation = Interpolation::Sphere { radius: 2.0 };
+            o.mesh.weight = weight;
+            o.transport.bounces = bounces;
+        })
     };
     let equal = lab.shot(&place, &sphere(PointWeight::Constant, 1))?;
     let mut rows = Vec::new();
@@ -71,10 +75,10 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
 
     // Meshes that refine themselves, against one that is dense everywhere.
     let mut rows = Vec::new();
-    let uniform = lab.shot(&place, &direct(Method::Mesh, size, 80.0))?;
-    for (name, method) in [("mesh", Method::Mesh), ("hybrid", Method::Hybrid), ("unbiased, 4 rays", Method::Unbiased)] {
+    let uniform = lab.shot(&place, &direct(Method::MESH, size, 80.0))?;
+    for (name, method) in [("mesh", Method::MESH), ("hybrid", Method::Hybrid), ("unbiased, 4 rays", Method::UNBIASED)] {
         for refine in 0..=2 {
-            let options = RenderOptions { refine: Some(refine), ..direct(method, size, 20.0) };
+            let options = direct(method, size, 20.0).with(|o| o.mesh.refine = Some(refine));
             let shot = lab.shot(&place, &options)?;
             rows.push(vec![
                 name.into(),
@@ -86,7 +90,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
             ]);
         }
     }
-    let adapted = lab.shot(&place, &RenderOptions { refine: Some(2), ..direct(Method::Mesh, size, 20.0) })?;
+    let adapted = lab.shot(&place, &direct(Method::MESH, size, 20.0).with(|o| o.mesh.refine = Some(2)))?;
     rows.push(vec![
         "mesh, 1/80 everywhere".into(),
         0_u64.into(),
@@ -113,7 +117,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
         ("1/64", None, 64.0),
         ("1/128", None, 128.0),
     ] {
-        let shot = lab.shot(&place, &RenderOptions { graded: metres, ..direct(Method::Mesh, size, points) })?;
+        let shot = lab.shot(&place, &direct(Method::MESH, size, points).with(|o| o.mesh.lod_distance = metres))?;
         graded.push((shot.error(&standard), shot.stats.direct.points_used));
         rows.push(vec![
             name.into(),
@@ -131,7 +135,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     // The same picture on more and more threads.
     let most = rayon::current_num_threads();
     let counts: Vec<usize> = (0..).map(|i| 1 << i).take_while(|&n| n < most).chain([most]).collect();
-    let options = direct(Method::Mesh, size, 40.0);
+    let options = direct(Method::MESH, size, 40.0);
     let mut rows = Vec::new();
     let mut seconds = Vec::new();
     for &threads in &counts {

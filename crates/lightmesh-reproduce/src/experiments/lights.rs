@@ -18,14 +18,14 @@ const POINTS: f32 = 40.0;
 
 /// The paper's method as it is used throughout: the scalar field, spheres of one and a half spacings.
 pub(super) fn papers(size: (u32, u32), points: f32) -> RenderOptions {
-    RenderOptions { interpolation: Interpolation::Sphere { radius: 1.5 }, ..direct(Method::Paper, size, points) }
+    direct(Method::PAPER, size, points).with(|o| o.mesh.interpolation = Interpolation::Sphere { radius: 1.5 })
 }
 
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let size = if lab.quick { (160, 160) } else { (800, 800) };
 
     // Time exact light, the paper's method and ours for every number of lights.
-    let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::Mesh, size, POINTS)];
+    let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::MESH, size, POINTS)];
     let mut rows = Vec::new();
     let (mut ratios, mut lines) = (Vec::new(), ["standard", "paper", "mesh"].map(|name| (name, Vec::new())));
     for (count, papers) in LIGHTS {

@@ -1,6 +1,6 @@
 //! Figures 10-11: the rules for missing corners.
 
-use lightmesh::{Interpolation, Method, MissingCorners, RenderOptions};
+use lightmesh::{Interpolation, Method, MissingCorners};
 
 use crate::error::Error;
 use crate::lab::{Lab, direct};
@@ -14,7 +14,7 @@ const PART: Rect<f32> = Rect { left: 0.72, top: 0.5, width: 0.28, height: 0.42 }
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Room(15))?;
     let size = if lab.quick { (240, 160) } else { (720, 480) };
-    let with = |interpolation| RenderOptions { interpolation, ..direct(Method::Paper, size, 40.0) };
+    let with = |interpolation| direct(Method::PAPER, size, 40.0).with(|o| o.mesh.interpolation = interpolation);
     let rule = |rule| with(Interpolation::TrilinearWith(rule));
 
     // List the rules.

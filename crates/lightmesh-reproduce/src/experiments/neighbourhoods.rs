@@ -1,6 +1,6 @@
 //! Figures 4-9: the nearest point, and spheres.
 
-use lightmesh::{Interpolation, Method, RenderOptions};
+use lightmesh::{Interpolation, Method};
 
 use crate::error::Error;
 use crate::lab::{Lab, direct};
@@ -14,7 +14,8 @@ const USED: (f64, f64) = (1e6, 297_000.0);
 pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let place = lab.place(SceneName::Room(15))?;
     let size = if lab.quick { (240, 160) } else { (720, 480) };
-    let with = |points, interpolation| RenderOptions { interpolation, ..direct(Method::Paper, size, points) };
+    let with =
+        |points, interpolation| direct(Method::PAPER, size, points).with(|o| o.mesh.interpolation = interpolation);
     let sphere = |radius| Interpolation::Sphere { radius };
     // List the neighbourhoods of the paper's figures.
     let ways = [

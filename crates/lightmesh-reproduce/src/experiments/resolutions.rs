@@ -24,7 +24,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     // Time exact light, the paper's method and ours at every size.
     for (side, then) in SIZES {
         let size = (side / scale, side / scale);
-        let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::Mesh, size, POINTS)];
+        let ways = [direct(Method::Standard, size, POINTS), papers(size, POINTS), direct(Method::MESH, size, POINTS)];
         let seconds = lab.race(&place, &ways)?;
         let paper = lab.shot(&place, &ways[1])?;
         ratios.push(seconds[0] / seconds[1]);

@@ -36,7 +36,7 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let soft = |radius| EmitterOptions { light_radius: radius, light_samples: SAMPLES };
 
     // Render the pictures: two meshes, reference [4], and a spherical light that is the truth.
-    let mesh = lab.shot(&place, &direct(Method::Mesh, size, POINTS[0]))?;
+    let mesh = lab.shot(&place, &direct(Method::MESH, size, POINTS[0]))?;
     let paper = lab.shot(&place, &papers(size, POINTS[0]))?;
     let mut pictures = Vec::new();
     for radius in RADII {

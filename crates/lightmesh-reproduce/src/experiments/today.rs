@@ -17,10 +17,10 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
     let ways = [
         ("standard: a shadow ray to every light", direct(Method::Standard, size, 40.0)),
         ("paper: scalar, spheres of 1.5, 1/40", papers(size, 40.0)),
-        ("mesh: six axes, trilinear, 1/40", direct(Method::Mesh, size, 40.0)),
+        ("mesh: six axes, trilinear, 1/40", direct(Method::MESH, size, 40.0)),
         ("hybrid, 1/40", direct(Method::Hybrid, size, 40.0)),
-        ("unbiased, 4 rays, 1/40", direct(Method::Unbiased, size, 40.0)),
-        ("mesh, --error 0.05", RenderOptions { error: Some(0.05), ..direct(Method::Mesh, size, 40.0) }),
+        ("unbiased, 4 rays, 1/40", direct(Method::UNBIASED, size, 40.0)),
+        ("mesh, --error 0.05", direct(Method::MESH, size, 40.0).with(|o| o.method = Method::with_error(0.05))),
     ];
     let options: Vec<RenderOptions> = ways.iter().map(|(_, options)| options.clone()).collect();
     let seconds = lab.race(&place, &options)?;
@@ -72,14 +72,19 @@ pub(super) fn run(lab: &mut Lab<'_>) -> Result<Section, Error> {
 fn all_light(lab: &mut Lab<'_>) -> Result<(Table, Figure), Error> {
     let place = lab.place(SceneName::Room(15))?;
     let (size, truth) = if lab.quick { ((60, 40), 64) } else { ((150, 100), 512) };
-    let with = |options: RenderOptions, spp| RenderOptions { bounces: 3, spp, ..options };
+    let with = |options: RenderOptions, spp| {
+        options.with(|o| {
+            o.transport.bounces = 3;
+            o.picture.spp = spp;
+        })
+    };
 
     // Time path tracing, the paper's method and ours.
     let ways = [
         ("path, 4 samples", with(direct(Method::Path, size, 40.0), 4)),
         ("path, 32 samples", with(direct(Method::Path, size, 40.0), 32)),
         ("paper: scalars, spheres of 1.5, 1/40", with(papers(size, 40.0), 4)),
-        ("mesh, 1/40", with(direct(Method::Mesh, size, 40.0), 4)),
+        ("mesh, 1/40", with(direct(Method::MESH, size, 40.0), 4)),
         ("hybrid, 1/40", with(direct(Method::Hybrid, size, 40.0), 4)),
     ];
     let options: Vec<RenderOptions> = ways.iter().map(|(_, options)| options.clone()).collect();

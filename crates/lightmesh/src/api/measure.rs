@@ -29,7 +29,7 @@ pub struct Measured {
 /// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`] | read from `mesh`, which is filled as needed | the same |
 /// | [`Method::Unbiased`] | [`RenderOptions::rays`] shadow rays, the mesh as control variate | as many gather rays |
 /// | [`Method::Standard`] | a shadow ray to every light sample | none |
-/// | [`Method::Path`] | [`RenderOptions::spp`] samples | their paths |
+/// | [`Method::Path`] | [`PictureOptions::spp`](crate::PictureOptions::spp) samples | their paths |
 ///
 /// What a meter reads depends on its own position and direction alone, bit for bit: not on other meters, threads, or what
 /// was measured or rendered before. Meters outside the scene's box, where no mesh point is, get exact direct light and
@@ -63,7 +63,7 @@ pub struct Measured {
 /// [`Error::InvalidMeter`] names the first meter that is not finite or faces nowhere. [`Error::InvalidOption`] for
 /// options out of range, a mesh that was made for others, and options that need a picture: `error`, `refine` and
 /// `graded` put mesh points and rays where a picture needs them, `time_limit` ends when every pixel has a sample.
-/// [`Error::OutOfMemory`] before an allocation that would exceed `options.max_memory`; [`Error::Cancelled`] soon after
+/// [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon after
 /// `progress` says so.
 pub fn measure(
     scene: &Scene,
@@ -73,14 +73,17 @@ pub fn measure(
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
     let started = Instant::now();
+    // Check options, memory and meters.
     options.validate()?;
     check_options(options)?;
-    check_memory(meters.len() as u64, options.max_memory)?;
+    check_memory(meters.len() as u64, options.limits.max_memory)?;
     meters.iter().enumerate().try_for_each(|(index, meter)| meter.check(index))?;
+
+    // Measure by the method.
     let (MeterIrradiance { direct, indirect }, mut stats) = match options.method {
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,
-        Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
+        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             measure_waves(scene, meters, options, Lighting::from_mesh(mesh), progress)?
         }
@@ -96,12 +99,12 @@ fn check_options(options: &RenderOptions) -> Result<(), Error> {
     let refused = [
         (
             "error",
-            options.error.is_some(),
+            options.method.error().is_some(),
             "is kept to in a picture; meters take the method hybrid, unbiased or standard",
         ),
-        ("refine", options.refinements() > 0, "follows a picture; meters take a smaller spacing"),
-        ("graded", options.graded.is_some(), "follows a camera; meters take a smaller spacing"),
-        ("time-limit", options.time_limit.is_some(), "is for pictures; every meter is measured"),
+        ("refine", options.resolved().refinements > 0, "follows a picture; meters take a smaller spacing"),
+        ("lod-distance", options.mesh.lod_distance.is_some(), "follows a camera; meters take a smaller spacing"),
+        ("time-limit", options.picture.time_limit.is_some(), "is for pictures; every meter is measured"),
     ];
     match refused.into_iter().find(|(_, given, _)| *given) {
         Some((option, _, what)) => Err(Error::InvalidOption { option, what: what.into() }),

@@ -12,7 +12,7 @@ use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, Rende
 pub struct Frame {
     /// Linear, cd/m².
     pub image: Image,
-    /// The layers of [`RenderOptions::aovs`], in the order of [`Aov::ALL`].
+    /// The layers of [`PictureOptions::aovs`](crate::PictureOptions::aovs), in the order of [`Aov::ALL`].
     pub layers: Vec<Layer>,
     /// Times, rays and the state of the mesh.
     pub stats: RenderStats,
@@ -25,7 +25,7 @@ pub struct Frame {
 ///
 /// # Errors
 /// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before
-/// an allocation that would exceed `options.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
+/// an allocation that would exceed `options.limits.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
 pub fn render(
     scene: &Scene,
     camera: &Camera,
@@ -43,27 +43,27 @@ pub fn render(
 
     // Draw by the method.
     let started = Instant::now();
-    let mut clock = RenderClock::new(progress, viewer, started, options.time_limit);
+    let mut clock = RenderClock::new(progress, viewer, started, options.picture.time_limit);
     let mut film = new_film(scene, camera, options);
     let mut stats = match options.method {
         Method::Path => render_path(scene, &mut film, options, &mut clock)?,
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut clock)?,
-        Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
+        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             render_waves(scene, &mut film, options, Lighting::from_mesh(mesh), &mut clock)?
         }
     };
 
     stats.spp = film.whole_passes();
-    stats.time_limit_reached = stats.spp < options.spp;
+    stats.time_limit_reached = stats.spp < options.picture.spp;
 
     // Paint mesh points over the picture, where a layer wants them.
     let view = film.view();
     let (image, mut layers) = film.into_image();
-    if options.aovs.contains(Aov::Points) {
+    if options.picture.aovs.contains(Aov::Points) {
         stats.rays.secondary += paint_points(scene, &view, &mut layers, &points(mesh));
     }
-    layers.retain(|layer| options.aovs.contains(layer.aov));
+    layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
     mesh.report(options, &mut stats);
     if let Some(viewer) = viewer {

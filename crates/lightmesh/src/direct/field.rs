@@ -30,14 +30,7 @@ impl DirectField {
         let lights = RegionCuts::new(scene, options)?;
         let encoding = DirectEncoding::new(scene, &lights, options);
         let points = Points::new(lattices, interpolator);
-        Ok(Self { points, encoding, lights, max_memory: options.max_memory })
-    }
-
-    /// Returns whether frames with these options can use this field.
-    pub(crate) fn is_compatible(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
-        self.encoding.is_compatible(options)
-            && self.lights.is_compatible(options)
-            && self.points.interpolator == interpolator
+        Ok(Self { points, encoding, lights, max_memory: options.limits.max_memory })
     }
 
     /// Returns empty marks for its points.

@@ -60,13 +60,13 @@ impl LightingPlan {
         let unbiased = |rays| Shading::Unbiased { rays, seed };
         let (primary, gather) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
-            Method::Mesh if options.error.is_some() => (Shading::Exact, unbiased(1)),
-            Method::Mesh | Method::Paper => (Shading::MeanVisibility, Shading::MeanVisibility),
+            Method::Mesh { error: Some(_) } => (Shading::Exact, unbiased(1)),
+            Method::Mesh { error: None } | Method::Paper { .. } => (Shading::MeanVisibility, Shading::MeanVisibility),
             Method::Hybrid => (Shading::per_light(SamplingPolicy::HYBRID, options), unbiased(1)),
-            Method::Unbiased => (unbiased(options.rays), unbiased(1)),
+            Method::Unbiased { rays } => (unbiased(rays), unbiased(1)),
         };
         let indirect = match options.method {
-            Method::Unbiased => Indirect::Unbiased { rays: options.rays, seed: options.seed },
+            Method::Unbiased { rays } => Indirect::Unbiased { rays, seed: options.seed },
             _ => Indirect::Mesh,
         };
         Self { primary, gather, indirect }

@@ -6,7 +6,7 @@ use super::read::DirectReader;
 use super::region_visibility::LightCutVisibility;
 use super::visibility_estimate::CellCorners;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{Marks, ReadResult, set_bits};
+use crate::mesh::{Marks, ReadResult, corners_of};
 
 /// The result of reading single lights at a vertex; [`DirectReader::lights`] has the lights themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl DirectReader<'_> {
             }
             (LightStates::Runs(runs), Some(region)) => {
                 if !estimate.is_from(corners) {
-                    for k in set_bits(visible.mask) {
+                    for k in corners_of(visible.mask) {
                         rows[k] = region.row(runs, reader.index(k));
                     }
                 }

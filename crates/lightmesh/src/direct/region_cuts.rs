@@ -30,7 +30,7 @@ const KEPT_PART: u64 = 8;
 #[derive(Debug)]
 pub(crate) struct RegionCuts {
     tree: Option<LightTree>,
-    /// [`RenderOptions::light_error`].
+    /// [`TransportOptions::light_error`](crate::TransportOptions::light_error).
     error: f32,
     origin: Vec3,
     edge: f32,
@@ -47,48 +47,44 @@ pub(super) type Region = u64;
 impl RegionCuts {
     /// # Errors
     /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
-    /// `options.max_memory`.
+    /// `options.limits.max_memory`.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         // Build a tree if there are many lights and it fits into memory.
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
-        let tree = match options.method.has_mesh() && options.light_error > 0.0 && many.contains(&samples.len()) {
-            false => None,
-            true => {
-                // Blocks of the packed lights, the front and its successor; their terms, and their states at some two
-                // hundred points.
-                let bytes_per_light = if options.knows_lights() { 256 } else { 128 };
-                let threads = rayon::current_num_threads() as u64;
-                let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
-                if needed_bytes > options.max_memory {
-                    return Err(Error::OutOfMemory {
-                        what: "the hierarchy of lights",
-                        needed_bytes,
-                        limit_bytes: options.max_memory,
-                        advice: "choose fewer --light-samples or --light-error 0",
-                    });
+        let tree =
+            match options.method.has_mesh() && options.transport.light_error > 0.0 && many.contains(&samples.len()) {
+                false => None,
+                true => {
+                    // Blocks of the packed lights, the front and its successor; their terms, and their states at some two
+                    // hundred points.
+                    let bytes_per_light = if options.method.knows_lights() { 256 } else { 128 };
+                    let threads = rayon::current_num_threads() as u64;
+                    let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
+                    if needed_bytes > options.limits.max_memory {
+                        return Err(Error::OutOfMemory {
+                            what: "the hierarchy of lights",
+                            needed_bytes,
+                            limit_bytes: options.limits.max_memory,
+                            advice: "choose fewer --light-samples or --light-error 0",
+                        });
+                    }
+                    Some(LightTree::new(samples))
                 }
-                Some(LightTree::new(samples))
-            }
-        };
+            };
 
         // Divide the scene's box into regions.
         let bounds = scene.bounds();
         Ok(Self {
             tree,
-            error: options.light_error,
+            error: options.transport.light_error,
             origin: bounds.min,
             edge: bounds.size().max_element().max(1e-20) / REGIONS,
             cuts: HashMap::new(),
-            falloff: options.falloff,
+            falloff: options.transport.falloff,
             kept_bytes: 0,
-            most_bytes: options.max_memory / KEPT_PART,
+            most_bytes: options.limits.max_memory / KEPT_PART,
         })
-    }
-
-    /// Returns whether values that were computed with these lights are those of other options.
-    pub(crate) fn is_compatible(&self, options: &RenderOptions) -> bool {
-        self.error == options.light_error
     }
 
     /// Returns whether nodes of a tree stand for the lights, as there are many.

@@ -234,7 +234,7 @@ impl DirectLighting<'_, '_> {
         batches: &mut [&mut ShadingBatch],
     ) -> Result<ShadingSeconds, Error> {
         // Compute what needs no mesh: exact light, or sums without shadows.
-        let (scene, falloff) = (self.scene, self.options.falloff);
+        let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let shading = self.plan.shading(visibility);
         let started = Instant::now();
         let mut seconds = ShadingSeconds::default();

@@ -8,7 +8,7 @@ use glam::{Vec3, Vec4};
 
 use super::encoding::{BitRows, LightBits};
 use crate::light::LANES;
-use crate::mesh::{ByCorner, ONES, set_bits as corners_of};
+use crate::mesh::{ByCorner, ONES, corners_of};
 use crate::sampling::set_bits;
 
 /// The most points that make an estimate.

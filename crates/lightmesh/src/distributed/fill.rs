@@ -38,7 +38,7 @@ pub fn requested_points(
 /// Fills points of the direct mesh, except those that it has already. Returns the rays that it took.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::InvalidBricks`] for bricks that the mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn fill_direct(
     scene: &Scene,
     options: &RenderOptions,
@@ -56,6 +56,7 @@ pub fn fill_direct(
     let mut rays = RayCounts::default();
     let mut marks = mesh.direct.marks();
     for some in bricks.chunks(BRICKS_AT_ONCE) {
+        // Mark the points of some bricks, and fill them.
         requests::mark(mesh.direct.points(), some, &marks)?;
         let traced = mesh.direct.fill(scene, &mut marks)?;
         rays += traced;

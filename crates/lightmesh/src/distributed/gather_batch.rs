@@ -42,7 +42,7 @@ pub struct BounceValues {
     /// Refinement and lattice coordinates of each point, ascending.
     pub points: Vec<[u32; 4]>,
     /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
-    /// [`Method::Paper`](crate::options::Method::Paper) formula (4), one colour.
+    /// [`Method::Paper`](crate::options::Method::PAPER) formula (4), one colour.
     pub values: Vec<f32>,
 }
 
@@ -68,7 +68,7 @@ impl GatherBatch {
     /// points.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`],
+    /// [`Error::InvalidBricks`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`],
     /// [`Error::Cancelled`].
     pub fn new(
         scene: &Scene,
@@ -81,7 +81,7 @@ impl GatherBatch {
         mesh.check_compatible(options)?;
         let Some(field) = &mesh.indirect else {
             let what = "there is no indirect mesh without bounces".into();
-            return Err(Error::InvalidOption { option: "bounces", what });
+            return Err(Error::InvalidReflection { what });
         };
         // Find out which points are inside solids.
         let mut field = field.without_points();
@@ -127,6 +127,7 @@ impl GatherBatch {
 
     /// Returns the points of both meshes that the hits read.
     pub fn requests(&self, scene: &Scene, mesh: &LightMesh) -> PointRequests {
+        // Points of the direct mesh that serve the hits.
         let mut direct = mesh.direct.marks();
         if self.field.reflects_light() {
             let points = mesh.direct.points();
@@ -135,6 +136,8 @@ impl GatherBatch {
             };
             self.gathers.par_iter().for_each(mark);
         }
+
+        // Points of the indirect mesh that joined after its own.
         let mut indirect = self.field.points().marks();
         for index in self.own..self.field.points().len() {
             self.field.points().mark(self.field.points().address(index), &indirect);
@@ -146,7 +149,7 @@ impl GatherBatch {
     /// Called again, it does nothing.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::IncompatibleMesh`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn light(
         &mut self,
         scene: &Scene,
@@ -172,9 +175,9 @@ impl GatherBatch {
     /// Ask for one bounce after the other; one that is computed already is returned again.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] where a point is missing below, or the bounce is not the next.
+    /// [`Error::InvalidReflection`] where a point is missing below, or the bounce is not the next.
     pub fn bounce(&mut self, scene: &Scene, k: u32, below: &BounceValues) -> Result<BounceValues, Error> {
-        let bad = |what: String| Err(Error::InvalidOption { option: "bounces", what });
+        let bad = |what: String| Err(Error::InvalidReflection { what });
         let (k, faces) = (k as usize, self.field.faces.count());
         if k >= self.field.bounce_values.len() || (k > 0 && self.field.bounce_values[k - 1].is_empty() && self.own > 0)
         {
@@ -186,6 +189,8 @@ impl GatherBatch {
             }
             self.field.bounce_values[k] = self.field.bounce(scene, k, &self.pending);
         }
+
+        // Copy the values of its own points.
         let own = &self.field.bounce_values[k][..self.own * faces];
         let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
         let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
@@ -195,7 +200,7 @@ impl GatherBatch {
     /// Puts T_k of the points that other batches fill behind that of its own.
     fn take_below(&mut self, k: usize, below: &BounceValues) -> Result<(), Error> {
         let faces = self.field.faces.count();
-        let bad = |what: String| Err(Error::InvalidOption { option: "below", what });
+        let bad = |what: String| Err(Error::InvalidReflection { what });
         if below.values.len() != below.points.len() * faces * 3 {
             return bad(format!("{} numbers are not {} colours a point", below.values.len(), faces));
         }
@@ -238,13 +243,15 @@ impl GatherBatch {
     /// Copies its points, once they have all bounces, for [`LightMesh::merge`].
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] before that.
+    /// [`Error::InvalidReflection`] before that.
     pub fn snapshot(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
         if self.field.bounce_values.iter().any(|values| values.len() < own.len() * self.field.faces.count()) {
             let what = "the last reflection is still to come".into();
-            return Err(Error::InvalidOption { option: "bounces", what });
+            return Err(Error::InvalidReflection { what });
         }
+
+        // Copy its own points, and leave out those that other batches fill.
         let (hit_irradiance, hit_count) = self.field.gather_hit_irradiance;
         let mut points = self.field.points.snapshot_since(PointCursor::default());
         points.addresses.truncate(own.len());

@@ -32,8 +32,7 @@ impl Prepared {
         if self.holds(mesh) {
             return Ok(());
         }
-        let what = "the mesh has been made ready for another picture since".into();
-        Err(Error::InvalidOption { option: "mesh", what })
+        Err(Error::IncompatibleMesh { what: "has been made ready for another picture since".into() })
     }
 }
 
@@ -96,7 +95,7 @@ impl WaveRequest<'_> {
         if self.waves.is_empty() || self.waves.end > count {
             let Range { start, end } = self.waves;
             let what = format!("there are no waves {start} to {end}: the picture has {count}");
-            return Err(Error::InvalidOption { option: "waves", what });
+            return Err(Error::InvalidWaves { what });
         }
         film.begin_waves(self.waves.clone());
         Ok(film)
@@ -109,8 +108,8 @@ impl WaveRequest<'_> {
 /// As [`RenderOptions::validate`].
 pub fn wave_count(options: &RenderOptions) -> Result<u64, Error> {
     options.validate()?;
-    let pixels = u64::from(options.width) * u64::from(options.height);
-    let per_wave = crate::film::WAVE / u64::from(options.spp);
+    let pixels = u64::from(options.picture.width) * u64::from(options.picture.height);
+    let per_wave = crate::film::WAVE / u64::from(options.picture.spp);
     Ok(pixels.div_ceil(per_wave))
 }
 
@@ -139,7 +138,7 @@ pub fn prepare(
 /// Takes the samples of some waves of a picture; what the mesh lacks for them is filled.
 ///
 /// # Errors
-/// As [`prepare`]; [`Error::InvalidOption`] where the mesh has been made ready for another picture since, and for
+/// As [`prepare`]; [`Error::IncompatibleMesh`] where the mesh has been made ready for another picture since, and for
 /// waves that the picture does not have.
 pub fn render_waves(
     scene: &Scene,
@@ -149,10 +148,13 @@ pub fn render_waves(
     request: WaveRequest<'_>,
     progress: &dyn Progress,
 ) -> Result<PartialImage, Error> {
+    // Make a film whose pass are the waves.
     request.prepared.check(mesh)?;
     let mut film = request.film(scene, camera, options)?;
     let WaveRequest { prepared, waves, .. } = request;
     let pixels = film.wave_pixels(waves.clone());
+
+    // Draw them.
     let started = Instant::now();
     let method = match lighting(options, mesh)? {
         Some(lighting) => WaveMethod::Lit { lighting, plan: prepared.plan },
@@ -160,6 +162,8 @@ pub fn render_waves(
     };
     let mut clock = RenderClock::new(progress, None, started, None);
     let mut stats = draw_waves(scene, &mut film, options, method, &mut clock)?;
+
+    // Copy their pixels.
     stats.seconds.render = started.elapsed().as_secs_f64();
     stats.estimated_error = prepared.stats.estimated_error;
     Ok(PartialImage { waves, values: film.copy_pixels(&pixels), emitter_seen: film.copy_seen(&pixels), stats })
@@ -169,7 +173,7 @@ pub fn render_waves(
 /// anew.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] where waves are missing or twice, or not of this picture.
+/// [`Error::InvalidPortions`] where waves are missing or twice, or not of this picture.
 pub fn find_emitter_edges(
     scene: &Scene,
     camera: &Camera,
@@ -182,6 +186,8 @@ pub fn find_emitter_edges(
     if sorted.iter().all(|part| part.emitter_seen.is_empty()) {
         return Ok(None);
     }
+
+    // Put together what the samples of each pixel met.
     let mut emitter_seen = vec![0; film.pixel_count() as usize];
     for part in sorted {
         let pixels = film.wave_pixels(part.waves.clone());
@@ -189,6 +195,8 @@ pub fn find_emitter_edges(
         pixels.iter().zip(&part.emitter_seen).for_each(|(&pixel, &seen)| emitter_seen[pixel as usize] = seen);
     }
     film.set_seen(&emitter_seen);
+
+    // Count the waves of the pixels on edges.
     let any = film.begin_emitter_edges(u64::MAX);
     Ok(any.then(|| EmitterEdges { emitter_seen, waves: film.wave_count() }))
 }
@@ -197,7 +205,7 @@ pub fn find_emitter_edges(
 /// over the parts.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] where waves are missing or twice, or not of this picture.
+/// [`Error::InvalidPortions`] where waves are missing or twice, or not of this picture.
 pub fn merge_images(
     scene: &Scene,
     camera: &Camera,
@@ -207,14 +215,14 @@ pub fn merge_images(
 ) -> Result<Frame, Error> {
     check(options)?;
     let mut film = new_film(scene, camera, options);
-    let mut stats = RenderStats { spp: options.spp, ..RenderStats::default() };
+    let mut stats = RenderStats { spp: options.picture.spp, ..RenderStats::default() };
     merge_pass(&mut film, parts, &mut stats)?;
     if let Some((edges, parts)) = edges {
         turn_to(&mut film, edges)?;
         merge_pass(&mut film, parts, &mut stats)?;
     }
     let (image, mut layers) = film.into_image();
-    layers.retain(|layer| options.aovs.contains(layer.aov));
+    layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     Ok(Frame { image, layers, stats })
 }
 
@@ -238,7 +246,7 @@ fn in_order<'a>(film: &Film, parts: &'a [PartialImage]) -> Result<Vec<&'a Partia
     let ends = [0].into_iter().chain(sorted.iter().map(|part| part.waves.end));
     if let Some((end, start)) = ends.zip(starts).find(|(end, start)| end != start) {
         let what = format!("waves {} to {} are missing or there twice", end.min(start), end.max(start));
-        return Err(Error::InvalidOption { option: "portions", what });
+        return Err(Error::InvalidPortions { what });
     }
     Ok(sorted)
 }
@@ -248,7 +256,7 @@ fn check_length(what: &str, length: usize, expected: usize) -> Result<(), Error>
         return Ok(());
     }
     let what = format!("{what} has {length} numbers, not {expected}: it is of another picture");
-    Err(Error::InvalidOption { option: "portions", what })
+    Err(Error::InvalidPortions { what })
 }
 
 /// Turns to the pixels on emitter edges.
@@ -258,18 +266,18 @@ fn turn_to(film: &mut Film, edges: &EmitterEdges) -> Result<(), Error> {
     if film.begin_emitter_edges(u64::MAX) {
         return Ok(());
     }
-    Err(Error::InvalidOption { option: "outlines", what: "no pixel of this picture is on one".into() })
+    Err(Error::InvalidOutlines { what: "no pixel of this picture is on one".into() })
 }
 
 /// Refuses options that need the whole picture at once.
 fn check(options: &RenderOptions) -> Result<(), Error> {
     options.validate()?;
     options.check_picture_memory()?;
-    if options.time_limit.is_some() {
+    if options.picture.time_limit.is_some() {
         let what = "portions have no common clock; choose --spp or --error";
         return Err(Error::InvalidOption { option: "time-limit", what: what.into() });
     }
-    if options.aovs.contains(Aov::Points) {
+    if options.picture.aovs.contains(Aov::Points) {
         let what = "points shows the whole mesh, of which portions fill parts; render it in one piece";
         return Err(Error::InvalidOption { option: "aov", what: what.into() });
     }
@@ -281,7 +289,7 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
     match options.method {
         Method::Path => Ok(None),
         Method::Standard => Ok(Some(Lighting::Exact)),
-        Method::Mesh | Method::Paper | Method::Hybrid | Method::Unbiased => {
+        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             Ok(Some(Lighting::from_mesh(mesh)))
         }

@@ -66,18 +66,18 @@ pub(crate) struct Sample {
 impl Film {
     /// An empty film on which all samples of all pixels are one pass.
     pub(crate) fn new(camera: &Camera, options: &RenderOptions) -> Self {
-        let order = TileOrder { width: options.width, height: options.height };
+        let order = TileOrder { width: options.picture.width, height: options.picture.height };
         Self {
-            rays: camera.film(options.width, options.height),
+            rays: camera.film(options.picture.width, options.picture.height),
             order,
             seed: options.seed,
-            offsets: film_samples(options.spp),
-            cells: cells_of_pixel(options.spp as usize),
+            offsets: film_samples(options.picture.spp),
+            cells: cells_of_pixel(options.picture.spp as usize),
             cones: true,
-            pass: Pass { pixels: None, indices: 0..options.spp, done: 0, end: None },
+            pass: Pass { pixels: None, indices: 0..options.picture.spp, done: 0, end: None },
             sums: vec![Vec3::ZERO; order.len()],
-            aovs: options.aovs,
-            layers: Layers::new(options.aovs, order.len()),
+            aovs: options.picture.aovs,
+            layers: Layers::new(options.picture.aovs, order.len()),
             seen: Vec::new(),
             coarse_preview: None,
             emitter_edges: None,
@@ -299,7 +299,11 @@ mod tests {
     use super::*;
 
     fn film(width: u32, height: u32, spp: u32) -> Film {
-        let options = RenderOptions { width, height, spp, ..RenderOptions::default() };
+        let options = RenderOptions::default().with(|o| {
+            o.picture.width = width;
+            o.picture.height = height;
+            o.picture.spp = spp;
+        });
         Film::new(&Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0), &options)
     }
 

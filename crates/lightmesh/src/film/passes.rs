@@ -43,7 +43,7 @@ pub(crate) fn take_samples(
     mut trace: impl FnMut(&mut Film, &mut RenderClock<'_>, &Reporter<'_>) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let passes = clock.is_limited() || (clock.viewer.is_some() && sums == SumOrder::Samples);
-    let first_pass = if passes { 1 } else { options.spp };
+    let first_pass = if passes { 1 } else { options.picture.spp };
 
     // Show coarse previews first.
     if clock.viewer.is_some() {
@@ -57,11 +57,11 @@ pub(crate) fn take_samples(
     }
 
     // Take the samples, in one pass or in passes that grow.
-    let reporter = Reporter::new(clock.progress, Stage::Render, film.pixel_count() * u64::from(options.spp));
+    let reporter = Reporter::new(clock.progress, Stage::Render, film.pixel_count() * u64::from(options.picture.spp));
     let mut taken = 0;
-    while taken < options.spp {
+    while taken < options.picture.spp {
         let samples = if taken == 0 { first_pass } else { (taken / GROWTH).max(1) };
-        let end = taken + samples.min(options.spp - taken);
+        let end = taken + samples.min(options.picture.spp - taken);
         film.begin_pass(taken..end);
         trace(film, clock, &reporter)?;
         taken = film.whole_passes();

@@ -8,7 +8,8 @@ use std::str::FromStr;
 
 use digest::Digest;
 
-use crate::{Falloff, Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions, Scene, Spacing};
+use crate::options::PointKind;
+use crate::{Falloff, Interpolation, MeshKey, MissingCorners, PaperScale, PointWeight, RenderOptions, Scene, Spacing};
 
 /// Increased whenever mesh points get other values, so that meshes of older versions are not mistaken for this one's.
 const VALUES_VERSION: u64 = 1;
@@ -36,38 +37,35 @@ impl Fingerprint {
         digest.finish()
     }
 
-    /// Returns the fingerprint of the settings that values of mesh points depend on: method (`hybrid` and `unbiased`
-    /// have the same points), falloff, neighbourhood and weights, spacings, number of levels, light error, gather rays,
-    /// depth and seed, and whether the error is bounded. Not of the number of bounces, which
-    /// [`Snapshot`](crate::Snapshot) tell.
+    /// Returns the fingerprint of the settings that values of mesh points depend on, their [`MeshKey`]. `hybrid` and
+    /// `unbiased` have the same points. The number of bounces is not part of it; [`Snapshot`](crate::Snapshot) tells it.
     pub fn of_settings(options: &RenderOptions) -> Self {
+        Self::of_key(&MeshKey::of(options))
+    }
+
+    /// Returns the fingerprint of a mesh's key.
+    pub fn of_key(key: &MeshKey) -> Self {
         let mut digest = Digest::new("lightmesh settings");
-        let paper = options.method == Method::Paper;
         // What direct values are, and how light attenuates in them.
         digest.number(VALUES_VERSION);
-        digest.number(match (options.knows_lights(), paper) {
-            (true, _) => 1,
-            (false, true) => 2,
-            (false, false) => 0,
+        digest.number(match key.kind {
+            PointKind::SixAxis => 0,
+            PointKind::ByLight => 1,
+            PointKind::Scalar { .. } => 2,
         });
-        digest.number(u64::from(options.error.is_some()));
-        add_falloff(&mut digest, options.falloff);
-        if paper {
-            add_falloff(&mut digest, options.field_falloff);
-            digest.number(match options.paper_scale {
+        digest.number(u64::from(key.error_bound));
+        add_falloff(&mut digest, key.falloff);
+        if let PointKind::Scalar { field_falloff, scale } = key.kind {
+            add_falloff(&mut digest, field_falloff);
+            digest.number(match scale {
                 PaperScale::Visibility => 0,
                 PaperScale::Constant => 1,
             });
         }
         // Where points are, and how they are combined.
-        add_spacing(&mut digest, options.spacing);
-        add_spacing(&mut digest, options.indirect_spacing);
-        let interpolation = match options.interpolation {
-            Interpolation::Auto if paper => Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS },
-            Interpolation::Auto => Interpolation::Trilinear,
-            other => other,
-        };
-        match interpolation {
+        add_spacing(&mut digest, key.spacing);
+        add_spacing(&mut digest, key.indirect_spacing);
+        match key.interpolation {
             Interpolation::Auto | Interpolation::Trilinear => digest.number(0),
             Interpolation::TrilinearWith(rule) => {
                 digest.number(1);
@@ -84,18 +82,18 @@ impl Fingerprint {
             }
             Interpolation::Nearest => digest.number(3),
         }
-        digest.number(match options.weight {
+        digest.number(match key.weight {
             PointWeight::Constant => 0,
             PointWeight::Gaussian => 1,
             PointWeight::Inverse => 2,
             PointWeight::Cosine => 3,
         });
         // How indirect values are gathered.
-        digest.number(u64::from(options.finer_levels()));
-        digest.floats([options.light_error]);
-        digest.number(u64::from(options.gather_rays));
-        digest.number(u64::from(options.depth));
-        digest.number(options.seed);
+        digest.number(u64::from(key.finer_levels));
+        digest.floats([key.light_error]);
+        digest.number(u64::from(key.gather_rays));
+        digest.number(u64::from(key.depth));
+        digest.number(key.seed);
         digest.finish()
     }
 }

@@ -7,7 +7,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use super::*;
 use crate::geometry::TriangleMesh;
 use crate::scene::{EmitterOptions, ImageData, Texels};
-use crate::{Camera, Environment, Instance, Light, Material, SceneData, Texture, TextureRef, UvTransform};
+use crate::{Camera, Environment, Instance, Light, Material, Method, SceneData, Texture, TextureRef, UvTransform};
 
 fn data() -> SceneData {
     let texels = [[1, 2, 3, 255], [4, 5, 6, 255]];
@@ -106,27 +106,31 @@ fn whatever_changes_mesh_points_changes_the_fingerprint_of_settings() {
     };
     let changes: [fn(&mut RenderOptions); 16] = [
         |_| {},
-        |o| o.method = Method::Paper,
+        |o| o.method = Method::PAPER,
         |o| o.method = Method::Hybrid,
-        |o| o.error = Some(0.05),
-        |o| o.spacing = Spacing::Metres(0.1),
-        |o| o.spacing = Spacing::Fraction(0.1),
-        |o| o.indirect_spacing = Spacing::Metres(0.1),
-        |o| o.interpolation = Interpolation::Nearest,
-        |o| o.interpolation = Interpolation::TrilinearWith(MissingCorners::Mirror),
-        |o| o.weight = PointWeight::Gaussian,
-        |o| o.refine = Some(1),
-        |o| o.light_error = 0.02,
-        |o| o.gather_rays = 255,
-        |o| o.depth = 7,
+        |o| o.method = Method::with_error(0.05),
+        |o| o.mesh.spacing = Spacing::Metres(0.1),
+        |o| o.mesh.spacing = Spacing::Fraction(0.1),
+        |o| o.mesh.indirect_spacing = Spacing::Metres(0.1),
+        |o| o.mesh.interpolation = Interpolation::Nearest,
+        |o| o.mesh.interpolation = Interpolation::TrilinearWith(MissingCorners::Mirror),
+        |o| o.mesh.weight = PointWeight::Gaussian,
+        |o| o.mesh.refine = Some(1),
+        |o| o.transport.light_error = 0.02,
+        |o| o.mesh.gather_rays = 255,
+        |o| o.transport.depth = 7,
         |o| o.seed = 1,
-        |o| o.falloff = Falloff::ConstantPlusDistance { constant: 1.0 },
+        |o| o.transport.falloff = Falloff::ConstantPlusDistance { constant: 1.0 },
     ];
     let seen: std::collections::HashSet<_> = changes.into_iter().map(other).collect();
     assert_eq!(seen.len(), changes.len());
     // Not of mesh points: pictures; and the same points under another name.
-    let same: [fn(&mut RenderOptions); 4] =
-        [|o| o.width = 7, |o| o.spp = 9, |o| o.bounces = 1, |o| o.interpolation = Interpolation::Trilinear];
+    let same: [fn(&mut RenderOptions); 4] = [
+        |o| o.picture.width = 7,
+        |o| o.picture.spp = 9,
+        |o| o.transport.bounces = 1,
+        |o| o.mesh.interpolation = Interpolation::Trilinear,
+    ];
     assert!(same.into_iter().all(|change| other(change) == other(|_| {})));
-    assert_eq!(other(|o| o.method = Method::Hybrid), other(|o| o.method = Method::Unbiased));
+    assert_eq!(other(|o| o.method = Method::Hybrid), other(|o| o.method = Method::UNBIASED));
 }

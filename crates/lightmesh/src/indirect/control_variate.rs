@@ -1,9 +1,12 @@
 //! Indirect light without bias: gather rays, with the indirect mesh as control variate of what arrives where they end.
 //!
-//! At a surface, the irradiance of k reflections or fewer, the sum of formula (4) over its hemisphere, is E_k = π ⟨Le
-//! + a/π (D + E_{k−1})⟩, the mean over rays in proportion to the cosine; D is the direct irradiance where they end,
-//! itself an unbiased estimate. The mesh approximates E_{k−1} there by M. With probability q a ray goes on, and finds
-//! an estimate U of the same kind with one ray of its own. Then
+//! At a surface, the irradiance of k reflections or fewer, the sum of formula (4) over its hemisphere, is the mean over
+//! rays in proportion to the cosine
+//!
+//! > E_k = π ⟨Le + a/π (D + E_{k−1})⟩.
+//!
+//! D is the direct irradiance where they end, itself an unbiased estimate. The mesh approximates E_{k−1} there by M. With
+//! probability q a ray goes on, and finds an estimate U of the same kind with one ray of its own. Then
 //!
 //! > M + (U − M) / q if it goes on, M if not
 //!

@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 
 use crate::interaction::ShadingPoint;
 use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult};
-use crate::{MeshStats, Method, RenderOptions, Scene};
+use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub(crate) enum CubeFaces {
 
 impl CubeFaces {
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        if options.method == Method::Paper { Self::One } else { Self::Six }
+        if options.method.is_paper() { Self::One } else { Self::Six }
     }
 
     /// Values per point and bounce.
@@ -70,20 +70,13 @@ impl IndirectField {
         Self {
             points: Points::new(lattices, interpolator),
             faces: CubeFaces::of(options),
-            gather_rays: options.gather_rays,
-            depth: options.depth,
+            gather_rays: options.mesh.gather_rays,
+            depth: options.transport.depth,
             seed: options.seed,
-            bounce_values: vec![Vec::new(); options.bounces as usize + 1],
+            bounce_values: vec![Vec::new(); options.transport.bounces as usize + 1],
             gather_hit_irradiance: (0.0, 0),
-            max_memory: options.max_memory,
+            max_memory: options.limits.max_memory,
         }
-    }
-
-    pub(crate) fn is_compatible(&self, options: &RenderOptions, interpolator: Interpolator) -> bool {
-        self.faces == CubeFaces::of(options)
-            && self.points.interpolator == interpolator
-            && (self.gather_rays, self.depth, self.seed) == (options.gather_rays, options.depth, options.seed)
-            && (options.bounces as usize) < self.bounce_values.len()
     }
 
     /// Where its points are, to be refined.

@@ -203,7 +203,7 @@ impl GatherRays {
 
                 // End at a diffuse surface, or go on by a specular lobe.
                 let mut lobes = surface.lobes();
-                if path.depth >= options.depth {
+                if path.depth >= options.transport.depth {
                     lobes = lobes.without_specular();
                 }
                 state = hash(state);

@@ -117,7 +117,7 @@ impl RayBlock {
         self.next.clear();
         self.emitter_seen.clear();
         self.first_hits.clear();
-        let (watched, layered) = (scene.has_visible_emitters(), !options.aovs.is_empty());
+        let (watched, layered) = (scene.has_visible_emitters(), !options.picture.aovs.is_empty());
         for (from, hit) in self.input.iter().zip(&self.hits) {
             let first = watched && from.path.is_first();
 
@@ -162,18 +162,18 @@ impl RayBlock {
 fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &ShadedHit, options: &RenderOptions) {
     if surface.opacity < 1.0 {
         let beta = from.beta * (1.0 - surface.opacity);
-        if beta.max_element() > options.cutoff
+        if beta.max_element() > options.transport.cutoff
             && let Some(path) = from.path.pass_through(hit)
         {
             next.push(WaveRay { path, beta, pixel: from.pixel });
         }
     }
-    if from.path.depth >= options.depth {
+    if from.path.depth >= options.transport.depth {
         return;
     }
     for (lobe, albedo) in surface.lobes().specular() {
         let beta = from.beta * surface.opacity * albedo;
-        if beta.max_element() > options.cutoff {
+        if beta.max_element() > options.transport.cutoff {
             next.push(WaveRay { path: from.path.spawn(hit, surface, lobe), beta, pixel: from.pixel });
         }
     }

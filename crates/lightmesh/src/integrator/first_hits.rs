@@ -59,12 +59,12 @@ impl FirstHits {
         marks: &Marks,
         points: &[ShadingPoint],
     ) -> u64 {
-        if self.hits.is_empty() || !options.aovs.iter().any(Aov::needs_mesh) {
+        if self.hits.is_empty() || !options.picture.aovs.iter().any(Aov::needs_mesh) {
             return 0;
         }
         // Points that face no light did not read the mesh.
         let receivers: Vec<_> = points.iter().map(|point| (point.position, point.n)).collect();
-        let unshadowed = field.lights().read_irradiance(scene, options.falloff, &receivers);
+        let unshadowed = field.lights().read_irradiance(scene, options.transport.falloff, &receivers);
         let mut reader = field.reader(scene, CornerVisibility::All);
         for hit in &mut self.hits {
             let Some(i) = hit.point.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {

@@ -80,7 +80,7 @@ fn shade_exactly(context: LightingContext<'_>, blocks: &mut [&mut PointBlock], s
     let LightingContext { scene, options, reporter, .. } = context;
     blocks.par_iter_mut().for_each(|block| {
         if !reporter.cancelled() {
-            block.batch.shade_exactly(scene, scene.emitters().all(), options.falloff);
+            block.batch.shade_exactly(scene, scene.emitters().all(), options.transport.falloff);
         }
         block.report(reporter);
     });
@@ -109,7 +109,7 @@ fn shade_from_mesh(
 
     // Indirect light. A mesh for more bounces may serve none: what is left to read then is emission that gather rays
     // find.
-    let has_indirect = options.bounces > 0 || scene.has_unsampled_emitters();
+    let has_indirect = options.transport.bounces > 0 || scene.has_unsampled_emitters();
     if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, has_indirect) {
         add_indirect(field, marks, direct, blocks)?;
     }
@@ -124,7 +124,7 @@ fn add_indirect(
     mut direct: DirectLighting<'_, '_>,
     blocks: &mut [&mut PointBlock],
 ) -> Result<(), Error> {
-    let (bounces, seed) = (direct.options.bounces, direct.options.seed);
+    let (bounces, seed) = (direct.options.transport.bounces, direct.options.seed);
     blocks.iter_mut().for_each(|block| block.await_indirect());
     if direct.plan.indirect != Indirect::Mesh {
         blocks.iter_mut().for_each(|block| block.gather_all());

@@ -34,7 +34,7 @@ pub(crate) fn measure_paths(
 ) -> Result<(MeterIrradiance, RenderStats), Error> {
     let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
-    let spp = options.spp;
+    let spp = options.picture.spp;
     let reporter = Reporter::new(progress, Stage::Measure, meters.len() as u64 * u64::from(spp));
     let empty = || Vec::with_capacity(meters.len());
     let mut measured = MeterIrradiance { direct: empty(), indirect: empty() };

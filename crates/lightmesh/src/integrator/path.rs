@@ -211,7 +211,7 @@ impl<'a> PathTracer<'a> {
     pub(super) fn irradiance(&mut self, point: &ShadingPoint, sampler: &mut Sampler) -> Radiance {
         let mut e = Radiance::default();
         e.add(Aov::Direct, self.direct(point, sampler));
-        if self.options.bounces > 0 || self.emitters.can_be_hit(self.scene) {
+        if self.options.transport.bounces > 0 || self.emitters.can_be_hit(self.scene) {
             // The mean of radiance over directions in proportion to the cosine is E / π.
             let mut mean = Radiance::default();
             self.split(point, Vec3::ONE, sampler, &mut mean);
@@ -248,14 +248,14 @@ impl<'a> PathTracer<'a> {
                 }
                 continue;
             }
-            if !self.options.aovs.is_empty() && bounces + path.depth == 0 {
+            if !self.options.picture.aovs.is_empty() && bounces + path.depth == 0 {
                 self.first_hits.push(pixel, 1.0, &surface, None);
             }
 
             // Add the surface's own light, and direct light that it reflects.
             li.add(layer_of_emission(bounces, origin), beta * self.emission(&path.ray, &hit, &surface, origin));
             // The last bounce only looks for emitters.
-            if bounces > self.options.bounces {
+            if bounces > self.options.transport.bounces {
                 break;
             }
             if surface.diffuse != Vec3::ZERO {
@@ -266,10 +266,10 @@ impl<'a> PathTracer<'a> {
 
             // Choose the lobe to go on by.
             let mut lobes = surface.lobes();
-            if bounces == self.options.bounces && !self.emitters.can_be_hit(self.scene) {
+            if bounces == self.options.transport.bounces && !self.emitters.can_be_hit(self.scene) {
                 lobes.diffuse = Vec3::ZERO;
             }
-            if path.depth >= self.options.depth {
+            if path.depth >= self.options.transport.depth {
                 lobes = lobes.without_specular();
             }
             let Some(sample) = lobes.sample(sampler.choice()) else { break };
@@ -325,7 +325,7 @@ impl<'a> PathTracer<'a> {
     /// Estimates direct irradiance: from every punctual light, and, weighted against paths, from a point on an area
     /// light and a direction of the environment.
     fn direct(&mut self, point: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
-        let (scene, falloff) = (self.scene, self.options.falloff);
+        let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let mut sum = Vec3::ZERO;
         if scene.emitters().light_radius > 0.0 {
             sum += self.emitters.sphere_lights(scene, falloff, point, sampler);

@@ -63,7 +63,7 @@ impl<'a> WaveFrame<'a> {
         take_samples(film, options, SumOrder::Waves, clock, |film, clock, reporter| {
             self.draw(film, plan, WaveSink::Film, clock, reporter, stats)
         })?;
-        let complete = film.whole_passes() == options.spp;
+        let complete = film.whole_passes() == options.picture.spp;
         if sees_emitters && complete && film.begin_emitter_edges(clock.samples_left()) {
             let reporter = Reporter::new(clock.progress, Stage::EmitterEdges, film.sample_count());
             self.draw(film, plan, WaveSink::Film, clock, &reporter, stats)?;
@@ -159,7 +159,7 @@ impl<'a> WaveFrame<'a> {
         let blocks = &mut self.blocks[..used];
         let mut points: Vec<&mut PointBlock> = blocks.iter_mut().map(|block| &mut block.points).collect();
         self.lighting.shade(context, &mut points, stats)?;
-        if let (Lighting::Mesh { mesh, marks }, false) = (&self.lighting, context.options.aovs.is_empty()) {
+        if let (Lighting::Mesh { mesh, marks }, false) = (&self.lighting, context.options.picture.aovs.is_empty()) {
             let (field, marks) = (&mesh.direct, &marks.direct);
             blocks.par_iter_mut().for_each(|block| {
                 let points = &mut block.points;

@@ -16,19 +16,17 @@ pub use snapshot::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, Point
 use crate::direct::DirectField;
 use crate::indirect::IndirectField;
 use crate::mesh::{Interpolator, Lattice, Marks, PointRequests, requests};
-use crate::{Error, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
+use crate::{Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
-/// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one choice
-/// of method, spacings, falloff, interpolation, weights, refinement, light error, gather rays, depth and seed. Cameras,
-/// picture sizes and sample counts may change from frame to frame, and so may the number of bounces, up to that of the
-/// options they were made with.
+/// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one
+/// [`MeshKey`]. Cameras, picture sizes and sample counts may change from frame to frame, and so may the number of
+/// bounces, up to that of the options they were made with.
 #[derive(Debug)]
 pub struct LightMesh {
-    spacings: [Spacing; 2],
-    /// The cells along the scene's longest edge that [`Spacing::Auto`] stood for in the indirect mesh.
-    auto_indirect: f32,
-    /// Levels beyond the first in the options, for error and for distance; the meshes may have fewer of the latter.
-    finer_levels: u32,
+    /// All that its values depend on beside the scene.
+    key: MeshKey,
+    /// The bounces that it was made for.
+    bounces: u32,
     /// How often the refinement has been reset, once for each picture.
     generation: u64,
     pub(crate) direct: DirectField,
@@ -47,74 +45,74 @@ impl LightMesh {
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would
-    /// not fit into `options.max_memory`.
+    /// not fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         // Choose the lattices of a mesh, the coarsest level first.
         options.validate()?;
-        let interpolator = Interpolator::of(options);
-        let indirect_auto = auto_indirect(options);
-        let lattices = |option, spacing, auto| {
+        let (interpolator, resolved) = (Interpolator::of(options), options.resolved());
+        let lattices = |option, spacing: Spacing| {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing will do.
-            let longest = bounds.size().max_element().max(1e-20);
-            let spacing = match spacing {
-                Spacing::Auto => longest / auto,
-                Spacing::Fraction(k) => longest / k,
-                Spacing::Metres(h) => h,
-            };
+            let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
             let level = |l: u32, max_memory| {
                 let spacing = spacing / (1 << l) as f32;
                 Lattice::new(option, &bounds, spacing, interpolator.reach(), max_memory)
             };
-            let mut levels =
-                (0..=options.refinements()).map(|l| level(l, options.max_memory)).collect::<Result<Vec<_>, _>>()?;
+            let mut levels = (0..=resolved.refinements)
+                .map(|l| level(l, options.limits.max_memory))
+                .collect::<Result<Vec<_>, _>>()?;
             // Leave out levels for distance whose tables alone would take too much.
-            let by_distance = options.refinements() + 1..=options.finer_levels();
-            levels.extend(by_distance.map_while(|l| level(l, options.max_memory / 8).ok()));
+            let by_distance = resolved.refinements + 1..=resolved.finer_levels;
+            levels.extend(by_distance.map_while(|l| level(l, options.limits.max_memory / 8).ok()));
             Ok::<_, Error>(levels)
         };
 
         // Make the meshes that the method uses.
-        let has_indirect = options.method.has_mesh() && (options.bounces > 0 || scene.has_unsampled_emitters());
+        let has_indirect =
+            options.method.has_mesh() && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
         let indirect = match has_indirect {
-            true => Some(lattices("indirect-spacing", options.indirect_spacing, indirect_auto)?),
+            true => Some(lattices("indirect-spacing", resolved.indirect_spacing)?),
             false => None,
         };
-        let direct = lattices("spacing", options.spacing, Spacing::AUTO)?;
+        let direct = lattices("spacing", resolved.spacing)?;
         Ok(Self {
-            spacings: [options.spacing, options.indirect_spacing],
-            auto_indirect: indirect_auto,
-            finer_levels: options.finer_levels(),
+            key: MeshKey::of(options),
+            bounces: options.transport.bounces,
             generation: 0,
             direct: DirectField::new(scene, direct, interpolator, options)?,
             indirect: indirect.map(|lattices| IndirectField::new(lattices, interpolator.without_rules(), options)),
         })
     }
 
+    /// Returns all that its values depend on beside the scene.
+    pub fn key(&self) -> &MeshKey {
+        &self.key
+    }
+
     /// Returns whether frames with these options can use this mesh.
     pub fn is_compatible(&self, options: &RenderOptions) -> bool {
-        let interpolator = Interpolator::of(options);
-        self.spacings == [options.spacing, options.indirect_spacing]
-            && (self.indirect.is_none() || self.auto_indirect == auto_indirect(options))
-            && self.finer_levels == options.finer_levels()
-            && self.direct.is_compatible(options, interpolator)
-            && self
-                .indirect
-                .as_ref()
-                .map_or(options.bounces == 0, |field| field.is_compatible(options, interpolator.without_rules()))
+        self.check_compatible(options).is_ok()
     }
 
     /// Refuses options with which frames cannot use this mesh.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`].
+    /// [`Error::IncompatibleMesh`] names the first option that differs.
     pub(crate) fn check_compatible(&self, options: &RenderOptions) -> Result<(), Error> {
-        if self.is_compatible(options) {
+        let asked = MeshKey::of(options);
+        let direct = || self.key.direct_difference(&asked);
+        let indirect = || self.indirect.as_ref().and_then(|_| self.key.indirect_difference(&asked));
+        if let Some(difference) = direct().or_else(indirect) {
+            return Err(Error::IncompatibleMesh { what: difference.to_string() });
+        }
+        let (own, bounces) = (self.bounces, options.transport.bounces);
+        // A mesh without bounces may have indirect light, if it is only emission.
+        let enough = if self.indirect.is_some() { bounces <= own } else { bounces == 0 };
+        if enough {
             return Ok(());
         }
-        let what =
-            "the mesh was made for another method, falloff, interpolation, weight, spacing, refinement or light error";
-        Err(Error::InvalidOption { option: "mesh", what: what.into() })
+        let own = if self.indirect.is_some() { own } else { 0 };
+        Err(Error::IncompatibleMesh { what: format!("was made with bounces {own}, and the options ask for {bounces}") })
     }
 
     /// Returns whether points lie all around a position: it is in the scene's box, but for rounding.
@@ -127,7 +125,8 @@ impl LightMesh {
         if options.method.has_mesh() {
             stats.direct = self.stats();
             stats.indirect = self.indirect_stats();
-            stats.truncated_light = self.indirect.as_ref().and_then(|field| field.truncated_light(options.bounces));
+            stats.truncated_light =
+                self.indirect.as_ref().and_then(|field| field.truncated_light(options.transport.bounces));
         }
     }
 
@@ -179,9 +178,4 @@ pub(crate) fn take_requests(mut marks: LightMarks) -> PointRequests {
         direct: requests::take(&mut marks.direct),
         indirect: marks.indirect.as_mut().map_or_else(Vec::new, requests::take),
     }
-}
-
-/// Returns the default of the cells along the longest edge, for the indirect mesh.
-fn auto_indirect(options: &RenderOptions) -> f32 {
-    if options.error.is_some() { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT }
 }

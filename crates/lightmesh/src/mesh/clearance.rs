@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::corners::{ByCorner, set_bits};
+use super::corners::{ByCorner, corners_of};
 
 /// Distances to the next solid surface along +x, −x, +y, −y, +z, −z, in 1/255 of the spacing, rounded down; 255: none
 /// before the neighbour. The seventh byte has a bit per side that is set where there is none.
@@ -103,7 +103,7 @@ pub(super) fn component(free_edges: &FreeEdges, mask: u8) -> u8 {
 
 /// Returns the sides on which any of the corners of `mask` has a surface near, a bit each.
 pub(super) fn blocked(corners: &[Clearance; 8], mask: u8) -> u8 {
-    set_bits(mask).fold(0, |blocked, k| blocked | !corners[k].0[Clearance::FREE_SIDES]) & 0b11_1111
+    corners_of(mask).fold(0, |blocked, k| blocked | !corners[k].0[Clearance::FREE_SIDES]) & 0b11_1111
 }
 
 /// How much nearer than the reader's plane something must be to stand before it, in 1/255 of the spacing: a tenth of

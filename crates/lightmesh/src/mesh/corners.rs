@@ -19,9 +19,9 @@ pub(crate) const ONES: [Vec4; 16] = {
     ones
 };
 
-/// Returns the set bits, ascending.
+/// The corners of a mask, ascending.
 #[inline(always)]
-pub(crate) fn set_bits(mask: u8) -> impl Iterator<Item = usize> + Clone {
+pub(crate) fn corners_of(mask: u8) -> impl Iterator<Item = usize> + Clone {
     sampling::set_bits::<8>(mask)
 }
 

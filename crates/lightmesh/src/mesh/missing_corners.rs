@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use super::bricks::Slot;
-use super::corners::{corner, set_bits};
+use super::corners::{corner, corners_of};
 use super::lattice::{Coordinate, ON_SURFACE};
 use super::read_result::ReadResult;
 use super::refinement::RefinementLevel;
@@ -35,7 +35,7 @@ pub(super) fn read_with(
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
     let is = |k: &usize, condition: fn(Slot) -> bool| condition(slots[*k]);
     let mut empty = false;
-    for k in set_bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
+    for k in corners_of(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
         mark(corner(stencil.cell, k));
         empty = true;
     }
@@ -44,12 +44,12 @@ pub(super) fn read_with(
     }
 
     // Visit those that are not inside solids.
-    let present = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
+    let present = mask(corners_of(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
     if present == 0 {
         return ReadResult::Unavailable;
     }
     let weights = weights_by_rule(rule, &stencil, vertex, present);
-    for k in set_bits(present) {
+    for k in corners_of(present) {
         if let Slot::Filled(index) = slots[k] {
             visit(index, weights[k]);
         }
@@ -61,7 +61,7 @@ pub(super) fn read_with(
 pub(super) fn usable_share(level: &RefinementLevel, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
-    stencil.sum(mask(set_bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
+    stencil.sum(mask(corners_of(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
 }
 
 /// Returns the corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
@@ -84,7 +84,7 @@ fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoin
     };
     let nearest = nearest(stencil, present);
     // Move the weight of each missing corner.
-    for k in set_bits(!present) {
+    for k in corners_of(!present) {
         let to = across.map(|bit| k ^ bit).filter(|&k| present >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);
     }
@@ -106,12 +106,11 @@ fn nearest(stencil: &Stencil, corners: u8) -> usize {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32);
         corner.distance_squared(position)
     };
-    set_bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
+    corners_of(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::corners::set_bits;
     use super::super::lattice::Lattice;
     use super::*;
     use crate::geometry::Aabb;
@@ -132,7 +131,7 @@ mod tests {
         let (vertex, stencil) = at(Vec3::Z);
         let present = before_plane(&stencil);
         assert_eq!(present, 0b1111_0000);
-        let sum = |rule| set_bits(present).map(|k| weights_by_rule(rule, &stencil, &vertex, present)[k]).sum::<f32>();
+        let sum = |rule| corners_of(present).map(|k| weights_by_rule(rule, &stencil, &vertex, present)[k]).sum::<f32>();
         assert!(
             (sum(MissingCorners::Zero) - 0.2).abs() < 2e-3 && sum(MissingCorners::Zero) == sum(MissingCorners::One)
         );

@@ -19,7 +19,7 @@ mod usable;
 pub(crate) use ambient_cube::AmbientCube;
 pub(crate) use bricks::Slot;
 pub(crate) use clearance::Clearance;
-pub(crate) use corners::{ByCorner, ONES, set_bits};
+pub(crate) use corners::{ByCorner, ONES, corners_of};
 pub use lattice::LatticeShape;
 pub(crate) use lattice::{Coordinate, Lattice, PointBlock};
 pub(crate) use marks::Marks;

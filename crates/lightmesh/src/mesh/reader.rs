@@ -10,7 +10,7 @@ use glam::Vec3;
 pub(crate) use occlusion::choose;
 
 use super::bricks::Slot;
-use super::corners::{ONES, corner, set_bits};
+use super::corners::{ONES, corner, corners_of};
 use super::lattice::Coordinate;
 use super::marks::Marks;
 use super::missing_corners::read_with;
@@ -142,7 +142,7 @@ impl<'a> Reader<'a> {
         if visible.refined > 0.0 {
             return self.blend(&visible, 1.0, vertex, marks, &mut visit);
         }
-        for k in set_bits(visible.mask) {
+        for k in corners_of(visible.mask) {
             visit(self.index(k), visible.weights[k / 4][k % 4]);
         }
         ReadResult::Value
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
         // Visit the corners of this level.
         let own: f32 = visible.weights.iter().map(|w| w.element_sum()).sum();
         let scale = share / (own + visible.refined);
-        for k in set_bits(visible.mask) {
+        for k in corners_of(visible.mask) {
             visit(self.index(k), scale * visible.weights[k / 4][k % 4]);
         }
         if visible.refined == 0.0 {
@@ -199,7 +199,7 @@ impl<'a> Reader<'a> {
         let refined = stencil.sum(stencil.read & self.cell.refined);
         let empty = read & self.cell.empty;
         if empty != 0 {
-            for k in set_bits(empty & !self.cell.marked) {
+            for k in corners_of(empty & !self.cell.marked) {
                 let coordinate = corner(self.cell.coordinate, k);
                 self.points.mark(Address { level: self.level_index, coordinate }, marks);
             }
@@ -269,7 +269,7 @@ impl<'a> Reader<'a> {
     fn sum_of_missing(&self, vertex: &ShadingPoint) -> Vec3 {
         let lattice = &self.level.lattice;
         let to_corner = |k| (lattice.point(corner(self.cell.coordinate, k)) - vertex.position) * lattice.inv_spacing();
-        let own: Vec3 = set_bits(self.missing).map(to_corner).sum();
+        let own: Vec3 = corners_of(self.missing).map(to_corner).sum();
         let finer = self.finer.as_ref().filter(|_| self.blended);
         own + finer.map_or(Vec3::ZERO, |finer| finer.towards_missing(vertex))
     }

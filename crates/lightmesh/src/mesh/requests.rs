@@ -100,7 +100,7 @@ pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
 /// Marks those of some points that are empty.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for bricks that the mesh does not have.
+/// [`Error::InvalidBricks`] for bricks that the mesh does not have.
 pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Result<(), Error> {
     for_each_point(points, bricks, |level, brick, local, slot| {
         if slot == Slot::Empty {
@@ -123,7 +123,7 @@ pub(crate) fn for_each_point(
         let own = (level < points.level_count()).then(|| points.level(level));
         let Some(level_points) = own.filter(|own| (brick as usize) < own.lattice.brick_count()) else {
             let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
-            return Err(Error::InvalidOption { option: "bricks", what });
+            return Err(Error::InvalidBricks { what });
         };
 
         // Visit the points that are set.

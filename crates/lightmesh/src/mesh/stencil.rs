@@ -47,15 +47,11 @@ impl SphereStencil {
 impl Interpolator {
     /// Returns the interpolator that the options choose.
     pub(crate) fn of(options: &RenderOptions) -> Self {
-        let weight = options.weight;
-        let scales_by_visibility = options.method == Method::Paper && options.paper_scale == PaperScale::Visibility;
+        let weight = options.mesh.weight;
+        let scales_by_visibility = matches!(options.method, Method::Paper { scale: PaperScale::Visibility, .. });
         let normal_offset = if scales_by_visibility { SphereStencil::PAPER_OFFSET } else { 0.0 };
-        match options.interpolation {
-            Interpolation::Auto if options.method == Method::Paper => {
-                Self::Sphere(SphereStencil { radius: Interpolation::DEFAULT_RADIUS, weight, normal_offset })
-            }
-            Interpolation::Auto => Self::Trilinear,
-            Interpolation::Trilinear => Self::Trilinear,
+        match options.resolved().interpolation {
+            Interpolation::Auto | Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
             Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset }),
             Interpolation::Nearest => Self::Nearest,

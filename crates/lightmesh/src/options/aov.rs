@@ -52,21 +52,24 @@ impl Aov {
     /// [`Aov::Depth`] where nothing is hit, metres: farther than anything and finite, as Blender has it.
     pub const FAR_M: f32 = 1e10;
 
-    /// The layer's name, in files and on the command line.
+    /// The name of each, in the order of [`Self::ALL`], and one line about it.
+    pub(super) const NAMES: [(&'static str, &'static str); 8] = [
+        ("albedo", "The fraction of light that the surface sends on"),
+        ("normal", "Shading normal on the viewer's side"),
+        ("depth", "Distance from the camera along its axis, metres"),
+        ("direct", "Light with no diffuse reflection before the surface"),
+        ("indirect", "The rest of the light"),
+        ("mesh_level", "How often the mesh has been refined there"),
+        ("mesh_valid", "The part of the mesh points that can be used there"),
+        ("points", "The points of both meshes over the grey scene"),
+    ];
+
+    /// Returns the layer's name, in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Depth => "depth",
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::MeshLevel => "mesh_level",
-            Self::MeshValid => "mesh_valid",
-            Self::Points => "points",
-        }
+        Self::NAMES[self as usize].0
     }
 
-    /// The layer of that name.
+    /// Returns the layer of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|aov| aov.name() == name)
     }

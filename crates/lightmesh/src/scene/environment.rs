@@ -3,7 +3,6 @@
 use glam::{Quat, Vec3};
 
 use super::texture::{ImageData, Texels};
-use crate::Error;
 
 /// An environment: the light of rays that leave the scene.
 #[derive(Clone, Debug)]
@@ -17,39 +16,6 @@ pub struct Environment {
     pub radiance: Vec3,
     /// Turns the map's directions into the world's.
     pub world_from_map: Quat,
-}
-
-/// How emitters become light samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EmitterOptions {
-    /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1
-    /// to 65536.
-    pub light_samples: u32,
-    /// Punctual lights become sphere lights of this radius (metres) and equal power; 0 leaves them points.
-    pub light_radius: f32,
-}
-
-impl Default for EmitterOptions {
-    fn default() -> Self {
-        Self { light_samples: 64, light_radius: 0.0 }
-    }
-}
-
-impl EmitterOptions {
-    /// Checks every field against its range.
-    ///
-    /// # Errors
-    /// [`Error::InvalidOption`] names the first field outside its range.
-    pub fn validate(&self) -> Result<(), Error> {
-        let bad = |option, what: String| Err(Error::InvalidOption { option, what });
-        if self.light_samples == 0 || self.light_samples > 1 << 16 {
-            return bad("light-samples", format!("must be between 1 and 65536, not {}", self.light_samples));
-        }
-        if !(self.light_radius >= 0.0 && self.light_radius.is_finite()) {
-            return bad("light-radius", format!("must be 0 metres or more, not {}", self.light_radius));
-        }
-        Ok(())
-    }
 }
 
 /// Returns a soft white sky for scenes without light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a

@@ -2,6 +2,7 @@
 
 mod camera;
 mod data;
+mod emitter_options;
 mod environment;
 mod footprint;
 pub(crate) mod light;
@@ -12,7 +13,8 @@ pub(crate) mod validate;
 
 pub use camera::{Camera, FilmRays, Projection};
 pub use data::{Instance, SceneData, ShapeEntry};
-pub use environment::{EmitterOptions, Environment, soft_environment};
+pub use emitter_options::EmitterOptions;
+pub use environment::{Environment, soft_environment};
 pub(crate) use footprint::Footprint;
 pub use light::Light;
 pub use material::{AlphaMode, Material};

@@ -86,7 +86,14 @@ pub(crate) fn room_camera() -> Camera {
 /// A picture of 64 × 48 pixels, one sample each, direct light only.
 pub(crate) fn options(method: Method) -> RenderOptions {
     let spacing = Spacing::Metres(0.2);
-    RenderOptions { method, width: 64, height: 48, spp: 1, bounces: 0, spacing, ..RenderOptions::default() }
+    RenderOptions::default().with(|o| {
+        o.method = method;
+        o.picture.width = 64;
+        o.picture.height = 48;
+        o.picture.spp = 1;
+        o.transport.bounces = 0;
+        o.mesh.spacing = spacing;
+    })
 }
 
 pub(crate) fn shoot(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Frame {

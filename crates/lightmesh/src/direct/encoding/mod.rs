@@ -18,7 +18,8 @@ use six_axis::SixAxis;
 
 use super::point_lights::PointLights;
 use super::region_cuts::RegionCuts;
-use crate::{Error, Falloff, Method, RenderOptions, Scene};
+use crate::options::PointKind;
+use crate::{Error, Falloff, MeshKey, RenderOptions, Scene};
 
 /// The values of all points of a direct mesh, in the representation that its method reads.
 #[derive(Debug)]
@@ -99,22 +100,11 @@ impl ArrivingLight {
 impl DirectEncoding {
     /// Returns the encoding that a method reads, without points.
     pub(super) fn new(scene: &Scene, lights: &RegionCuts, options: &RenderOptions) -> Self {
-        match options.method {
-            _ if options.knows_lights() => Self::PerLight(PerLight::new(scene, lights, options)),
-            Method::Paper => Self::Scalar(Scalar::new(scene, options)),
-            Method::Mesh | Method::Hybrid | Method::Unbiased | Method::Standard | Method::Path => {
-                Self::SixAxis(SixAxis::new(options))
-            }
-        }
-    }
-
-    /// Returns whether a mesh that is made with these options keeps the same values.
-    pub(super) fn is_compatible(&self, options: &RenderOptions) -> bool {
-        let (per_light, paper) = (options.knows_lights(), options.method == Method::Paper);
-        match self {
-            Self::PerLight(own) => per_light && own.is_compatible(options),
-            Self::Scalar(own) => !per_light && paper && own.is_compatible(options),
-            Self::SixAxis(own) => !per_light && !paper && own.is_compatible(options),
+        let falloff = options.transport.falloff;
+        match MeshKey::of(options).kind {
+            PointKind::ByLight => Self::PerLight(PerLight::new(scene, lights, falloff)),
+            PointKind::Scalar { field_falloff, scale } => Self::Scalar(Scalar::new(scene, field_falloff, scale)),
+            PointKind::SixAxis => Self::SixAxis(SixAxis::new(falloff)),
         }
     }
 

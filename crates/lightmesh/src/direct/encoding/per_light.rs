@@ -14,7 +14,7 @@ use super::super::point_lights::PointLights;
 use super::super::region_cuts::RegionCuts;
 use super::DirectValues;
 use super::plain_arrays::refuse;
-use crate::{Error, Falloff, RenderOptions, Scene};
+use crate::{Error, Falloff, Scene};
 
 /// The state of a light at a mesh point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +66,12 @@ pub(crate) enum PointStates {
 
 impl PerLight {
     /// No points; bits or runs by the lights that there are.
-    pub(super) fn new(scene: &Scene, lights: &RegionCuts, options: &RenderOptions) -> Self {
+    pub(super) fn new(scene: &Scene, lights: &RegionCuts, falloff: Falloff) -> Self {
         let states = match lights.has_clusters() {
             true => LightStates::Runs(LightRuns::new(lights.leaf_count())),
             false => LightStates::Bits(LightBits::of_scene(scene.lights())),
         };
-        Self { falloff: options.falloff, states }
+        Self { falloff, states }
     }
 
     /// Returns what the encoding keeps, for messages.
@@ -80,11 +80,6 @@ impl PerLight {
             LightStates::Bits(_) => "single lights",
             LightStates::Runs(_) => "clusters of lights",
         }
-    }
-
-    /// Returns whether a mesh with these options keeps the same states.
-    pub(super) fn is_compatible(&self, options: &RenderOptions) -> bool {
-        self.falloff == options.falloff
     }
 
     /// Returns the states of the lights at a point.

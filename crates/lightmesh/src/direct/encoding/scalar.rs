@@ -10,7 +10,7 @@ use super::super::point_lights::PointLights;
 use super::plain_arrays::{check_finite, check_length, rgb, values};
 use super::{ArrivingLight, DirectValues};
 use crate::light::Directions;
-use crate::{Error, Falloff, PaperScale, RenderOptions, Scene};
+use crate::{Error, Falloff, PaperScale, Scene};
 
 /// Values of a point.
 const STRIDE: usize = 2;
@@ -33,18 +33,12 @@ impl Scalar {
     pub(super) const BYTES_PER_POINT: u64 = (STRIDE * size_of::<Vec4>()) as u64;
 
     /// No points.
-    pub(super) fn new(scene: &Scene, options: &RenderOptions) -> Self {
-        let (falloff, scale) = (options.field_falloff, options.paper_scale);
+    pub(super) fn new(scene: &Scene, falloff: Falloff, scale: PaperScale) -> Self {
         let constant = match scale {
             PaperScale::Constant => mean_unshadowed(scene, falloff),
             PaperScale::Visibility => 1.0,
         };
         Self { falloff, scale, constant, values: Vec::new() }
-    }
-
-    /// Returns whether a mesh with these options keeps the same values.
-    pub(super) fn is_compatible(&self, options: &RenderOptions) -> bool {
-        (self.falloff, self.scale) == (options.field_falloff, options.paper_scale)
     }
 
     /// Returns whether points inside solids are to be found and left out. The paper's mesh as printed ignores geometry:

@@ -19,7 +19,7 @@ use super::super::point_lights::PointLights;
 use super::plain_arrays::{check_finite, check_length, rgb, values};
 use super::{ArrivingLight, DirectValues};
 use crate::mesh::AmbientCube;
-use crate::{Error, Falloff, RenderOptions};
+use crate::{Error, Falloff};
 
 /// Values of a point: six faces, visible and unshadowed.
 const STRIDE: usize = 12;
@@ -39,13 +39,8 @@ impl SixAxis {
     pub(super) const BYTES_PER_POINT: u64 = (STRIDE * size_of::<Vec4>()) as u64;
 
     /// No points.
-    pub(super) fn new(options: &RenderOptions) -> Self {
-        Self { falloff: options.falloff, values: Vec::new() }
-    }
-
-    /// Returns whether a mesh with these options keeps the same values.
-    pub(super) fn is_compatible(&self, options: &RenderOptions) -> bool {
-        self.falloff == options.falloff
+    pub(super) fn new(falloff: Falloff) -> Self {
+        Self { falloff, values: Vec::new() }
     }
 
     /// Returns the values of a point: formula (1) for each face, with and without V_i.

@@ -21,7 +21,7 @@ const PIXELS: u64 = 32768;
 
 /// Refines the meshes of the frame about the eye of the picture on the film, as far as memory allows.
 pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: &mut RenderStats) {
-    let Some(metres) = frame.options.graded else { return };
+    let Some(metres) = frame.options.mesh.lod_distance else { return };
     let (scene, options) = (frame.scene, frame.options);
     let Lighting::Mesh { mesh, .. } = &mut frame.lighting else { return };
 
@@ -39,7 +39,7 @@ pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: 
 
     // Refine both meshes. A part of the whole limit, not of what is left of it: a frame must not depend on what came
     // before.
-    let budget = (MEMORY_SHARE * options.max_memory as f64) as u64;
+    let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
     let most = cells_that_fit(budget, mesh.direct.bytes_per_point());
     mesh.direct.points_mut().refine_by_distance(view.rays.eye(), metres, &visible, most);
     if let Some(field) = &mut mesh.indirect {

@@ -164,7 +164,7 @@ impl Truth {
 fn light(pilot: &mut Pilot<'_, '_, '_>, pixels: &[u32], plan: LightingPlan) -> Result<PixelLight, Error> {
     let rays_of = |stats: &RenderStats| stats.rays.shadow - stats.fill_shadow_rays;
     let before = (rays_of(pilot.stats), pilot.stats.rays.primary);
-    let spp = pilot.frame.options.spp.min(MOST_SAMPLES);
+    let spp = pilot.frame.options.picture.spp.min(MOST_SAMPLES);
     let film = pilot.light_pixels(pixels, spp, plan)?;
     let (rays, samples) = (rays_of(pilot.stats) - before.0, pilot.stats.rays.primary - before.1);
     Ok(PixelLight { sums: film.sums_of(pixels), rays: rays as f64 / samples.max(1) as f64 })

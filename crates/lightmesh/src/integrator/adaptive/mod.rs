@@ -43,7 +43,7 @@ pub(crate) fn adapt(
     refine::refine(&mut pilot, plan)?;
 
     // Choose the cheapest plan that keeps the bound.
-    let Some(bound) = pilot.frame.options.error else { return Ok(plan) };
+    let Some(bound) = pilot.frame.options.method.error() else { return Ok(plan) };
     let (plan, error) = error_bound::choose_plan(&mut pilot, plan, f64::from(bound))?;
     pilot.stats.estimated_error = Some(error);
     Ok(plan)

@@ -38,7 +38,7 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
     // Exact light has no mesh to refine, and paths go on from the first level.
     let refines_direct = plan.primary != Shading::Exact;
     let refines_indirect = has_indirect && !matches!(plan.indirect, Indirect::Unbiased { .. });
-    if options.refinements() == 0 || !(refines_direct || refines_indirect) {
+    if options.resolved().refinements == 0 || !(refines_direct || refines_indirect) {
         return Ok(());
     }
 
@@ -50,10 +50,10 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
     let second = if has_indirect { pilot.light_points(&pixels, exact(2))? } else { first.clone() };
     let radiance = |p: &ShadedPoint| f64::from((p.point.weight * (p.direct + p.indirect)).element_sum());
     let mean = first.iter().map(radiance).sum::<f64>() / (3 * pixels.len()) as f64;
-    let bound = SHARE * options.error.map_or(DEFAULT_BOUND, f64::from) * mean;
+    let bound = SHARE * options.method.error().map_or(DEFAULT_BOUND, f64::from) * mean;
     let most = bound * bound * pixels.len() as f64;
 
-    for _ in 0..options.refinements() {
+    for _ in 0..options.resolved().refinements {
         // Light the same pixels from the meshes as they are.
         let points = pilot.light_points(&pixels, plan.reseeded())?;
         let Lighting::Mesh { mesh, .. } = &mut pilot.frame.lighting else { break };
@@ -68,7 +68,7 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
         };
 
         // Refine the worst cells of each mesh, as far as memory allows.
-        let budget = (MEMORY_SHARE * options.max_memory as f64) as u64;
+        let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
         let mut refined = 0;
         if refines_direct {
             let left = budget.saturating_sub(mesh.direct.stats().bytes);

@@ -31,7 +31,7 @@ impl LightMesh {
     /// Copies the requested points; those that are empty are left out.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for bricks that the mesh does not have.
+    /// [`Error::InvalidBricks`] for bricks that the mesh does not have.
     pub fn snapshot_of(&self, requests: &PointRequests) -> Result<Snapshot, Error> {
         let (points, indices) = self.direct.points.snapshot_of(&requests.direct)?;
         let direct = self.direct.snapshot(points, indices.into_iter());

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::corners::set_bits;
+use super::super::corners::corners_of;
 use super::super::marks::Marks;
 use super::super::read_result::ReadResult;
 use super::Reader;
@@ -55,7 +55,7 @@ impl<'a, V: Copy + Default> CachedReader<'a, V> {
         let visit = self.reader.visits();
         if (self.n, self.visit) != (vertex.n, visit) {
             (self.n, self.visit, self.computed) = (vertex.n, visit, 0);
-            for k in set_bits(corners.mask) {
+            for k in corners_of(corners.mask) {
                 sum = add(sum, value(self.reader.index(k)), corners.weights[k / 4][k % 4]);
             }
             return Ok(sum);
@@ -65,7 +65,7 @@ impl<'a, V: Copy + Default> CachedReader<'a, V> {
         if self.computed == 0 {
             self.values = [V::default(); 8];
         }
-        for k in set_bits(corners.mask & !self.computed) {
+        for k in corners_of(corners.mask & !self.computed) {
             self.values[k] = value(self.reader.index(k));
         }
         self.computed |= corners.mask;

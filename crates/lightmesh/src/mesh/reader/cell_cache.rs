@@ -4,12 +4,13 @@ use glam::{UVec3, Vec3, Vec4};
 
 use super::super::bricks::Slot;
 use super::super::clearance::{self, Clearance, FreeEdges, blocked, boxed_in, component, distances, free_edges};
-use super::super::corners::{ByCorner, set_bits};
+use super::super::corners::ByCorner;
 use super::super::lattice::{Coordinate, Lattice};
 use super::super::points::Points;
 use super::super::refinement::RefinementLevel;
 use super::super::stencil::{Stencil, heights_above};
 use crate::interaction::ShadingPoint;
+use crate::sampling::set_bits;
 
 /// The corners of a cell, and what follows from their clearances. Sets of corners have a bit per corner.
 #[derive(Debug)]
@@ -120,7 +121,7 @@ impl CellCache {
             // Of the step, not of the vertex: the answer must not depend on which of them comes first.
             let heights = heights_above(vertex.ng, step * (1.0 / 256.0));
             self.plane = (vertex.ng, step, corners);
-            self.clear = set_bits(self.blocked).all(|side| {
+            self.clear = set_bits::<8>(self.blocked).all(|side| {
                 clearance::before_plane(side, vertex.ng, &heights, &self.distances_to(side)) & corners == 0
             });
         }

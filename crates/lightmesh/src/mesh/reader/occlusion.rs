@@ -1,7 +1,7 @@
 //! Rays that find out which corners of its cell a surface point sees, where clearances do not tell.
 
 use super::super::clearance::component;
-use super::super::corners::{corner, set_bits};
+use super::super::corners::{corner, corners_of};
 use super::super::probe::sees;
 use super::super::read_result::CornerVisibility;
 use super::super::stencil::Stencil;
@@ -38,7 +38,7 @@ impl Reader<'_> {
             rest &= !component;
             let unoccluded = component & !occluded;
             let heavier = |a: &usize, b: &usize| stencil.weight(*a).total_cmp(&stencil.weight(*b));
-            let Some(heaviest) = set_bits(unoccluded).max_by(heavier) else { continue };
+            let Some(heaviest) = corners_of(unoccluded).max_by(heavier) else { continue };
             let is_whole_and_visible = component == usable && occluded & !visible == 0;
             if is_whole_and_visible || self.sees(vertex, heaviest) {
                 visible |= unoccluded;
@@ -49,7 +49,7 @@ impl Reader<'_> {
 
     /// Returns those of some corners that the vertex sees, by a ray to each.
     pub(super) fn trace_each(&mut self, vertex: &ShadingPoint, corners: u8) -> u8 {
-        set_bits(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
+        corners_of(corners).filter(|&k| self.sees(vertex, k)).map(|k| 1 << k).sum()
     }
 
     /// Traces rays to corners in random order until one is visible: among those that the vertex sees, each is returned
@@ -57,7 +57,7 @@ impl Reader<'_> {
     fn trace_until_visible(&mut self, vertex: &ShadingPoint, stencil: &Stencil, mut corners: u8) -> u8 {
         let mut seed = seed_of_position(vertex.position);
         while corners != 0 {
-            let k = choose(set_bits(corners).map(|k| (k, stencil.weight(k))), seed);
+            let k = choose(corners_of(corners).map(|k| (k, stencil.weight(k))), seed);
             if self.sees(vertex, k) {
                 return 1 << k;
             }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::sampling::chi_square::assert_follows;
 
-    /// χ² of five choices, four degrees of freedom: P(χ² > 23.5) < 1e-4; an item without weight is never chosen.
+    /// An item without weight is never chosen.
     #[test]
     fn choices_are_in_proportion_to_their_weights() {
         let weights = [3.0_f32, 0.5, 0.0, 1.0, 2.5, 4.0];

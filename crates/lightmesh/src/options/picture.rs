@@ -1,0 +1,113 @@
+//! The picture's size, samples and layers, and the memory that they take.
+
+use std::time::Duration;
+
+use super::{Aovs, RenderOptions};
+use crate::Error;
+
+/// The picture's size, samples and layers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureOptions {
+    /// Width, pixels.
+    pub width: u32,
+    /// Height, pixels.
+    pub height: u32,
+    /// Samples per pixel, box filter of one pixel, 1 to 65536; 1 samples the pixel's centre. With a time limit, the most.
+    pub spp: u32,
+    /// Render time, from the built scene, after which no more samples are taken, above 0; `None`: all are. Every pixel gets
+    /// one sample however long that takes. How many there are in time depends on the machine and what else it does, and so
+    /// does the picture; where the limit is not reached, last bits may differ from the picture without a limit, as sums are
+    /// rounded in another order.
+    pub time_limit: Option<Duration>,
+    /// Layers that the picture gets beside its light.
+    pub aovs: Aovs,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self { width: 1280, height: 720, spp: 4, time_limit: None, aovs: Aovs::default() }
+    }
+}
+
+impl PictureOptions {
+    /// The most samples that a pixel can have, and what a time limit allows where no number is said.
+    pub const MOST_SPP: u32 = 1 << 16;
+
+    pub(super) const EXPECTED_SIZE: &'static str = "WIDTHxHEIGHT, whole pixels above 0, as in 1280x720";
+    pub(super) const EXPECTED_SECONDS: &'static str = "seconds above 0, as in 10 or 0.5";
+
+    /// Returns width and height of a text as `640x360`.
+    pub fn parse_size(text: &str) -> Option<(u32, u32)> {
+        let side = |text: &str| text.parse().ok().filter(|&n: &u32| n > 0);
+        text.split_once(['x', 'X']).and_then(|(w, h)| Some((side(w)?, side(h)?)))
+    }
+
+    /// Returns a time above 0 of a text that is a number of seconds; a nanosecond is the least.
+    pub fn parse_seconds(text: &str) -> Option<Duration> {
+        let seconds = text.parse().ok().filter(|s: &f64| *s > 0.0);
+        seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()).filter(|limit| !limit.is_zero())
+    }
+}
+
+impl RenderOptions {
+    /// For the film, the finished picture and its 8-bit copy.
+    const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
+
+    /// Refuses a picture that the memory limit does not hold: 28 bytes a pixel for the film, the finished picture and its
+    /// 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and the
+    /// scene are checked where they grow.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`]; nothing has been allocated.
+    pub fn check_picture_memory(&self) -> Result<(), Error> {
+        self.check_memory(Self::BYTES_PER_PIXEL)
+    }
+
+    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the picture
+    /// that is shown and its 8-bit copy.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`]; nothing has been allocated.
+    pub fn check_viewed_picture_memory(&self) -> Result<(), Error> {
+        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 3)
+    }
+
+    fn check_memory(&self, bytes_per_pixel: u64) -> Result<(), Error> {
+        let PictureOptions { width, height, aovs, .. } = self.picture;
+        let pixels = u64::from(width) * u64::from(height);
+        let needed_bytes = pixels.saturating_mul(bytes_per_pixel + aovs.bytes_per_pixel());
+        // Pixels are counted in 32 bits.
+        if needed_bytes <= self.limits.max_memory && pixels <= u64::from(u32::MAX) {
+            return Ok(());
+        }
+        Err(Error::OutOfMemory {
+            what: "a picture of this size",
+            needed_bytes,
+            limit_bytes: self.limits.max_memory,
+            advice: if aovs.is_empty() { "choose a smaller --size" } else { "choose a smaller --size or fewer --aov" },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_numbers_above_zero() {
+        assert_eq!(PictureOptions::parse_size("640x360"), Some((640, 360)));
+        assert_eq!(PictureOptions::parse_size("1X1"), Some((1, 1)));
+        for bad in ["", "640", "0x10", "10x0", "-4x4", "4x4x4", "x", "1.5x2", "5000000000x1"] {
+            assert_eq!(PictureOptions::parse_size(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn time_limits_are_seconds_above_zero() {
+        assert_eq!(PictureOptions::parse_seconds("10"), Some(Duration::from_secs(10)));
+        assert_eq!(PictureOptions::parse_seconds("0.25"), Some(Duration::from_millis(250)));
+        for bad in ["", "0", "-1", "1e-20", "nan", "inf", "1e30", "10s"] {
+            assert_eq!(PictureOptions::parse_seconds(bad), None, "{bad}");
+        }
+    }
+}
