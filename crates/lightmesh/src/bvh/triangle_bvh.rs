@@ -112,6 +112,7 @@ impl TriangleBvh {
             stack,
             #[inline(always)]
             |leaf, t_max| {
+                // Test four triangles at once, and keep the closest hit, of equal ones that of the lower id.
                 for block in &self.blocks[leaf.items()] {
                     blocks.hits(
                         simd,

@@ -176,7 +176,7 @@ impl Film {
     /// How many samples every pixel has; on emitter edges, how many it had before it was sampled anew.
     pub(crate) fn whole_passes(&self) -> u32 {
         match &self.emitter_edges {
-            Some(outlines) => outlines.spp,
+            Some(edges) => edges.spp,
             None if self.pass.left(self.pass_pixels()) == 0 => self.pass.indices.end,
             None => self.pass.indices.start,
         }

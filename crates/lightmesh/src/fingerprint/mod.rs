@@ -46,6 +46,7 @@ impl Fingerprint {
     /// Returns the fingerprint of a mesh's key.
     pub fn of_key(key: &MeshKey) -> Self {
         let mut digest = Digest::new("lightmesh settings");
+        // What direct values are, and how light attenuates in them.
         digest.number(VALUES_VERSION);
         digest.number(match key.kind {
             PointKind::SixAxis => 0,
@@ -61,6 +62,7 @@ impl Fingerprint {
                 PaperScale::Constant => 1,
             });
         }
+        // Where points are, and how they are combined.
         add_spacing(&mut digest, key.spacing);
         add_spacing(&mut digest, key.indirect_spacing);
         match key.interpolation {
@@ -86,6 +88,7 @@ impl Fingerprint {
             PointWeight::Inverse => 2,
             PointWeight::Cosine => 3,
         });
+        // How indirect values are gathered.
         digest.number(u64::from(key.finer_levels));
         digest.floats([key.light_error]);
         digest.number(u64::from(key.gather_rays));

@@ -193,6 +193,7 @@ impl LightSamples {
 
     /// Adds a light and returns its lane. Isotropic ones come first, then patches, then the others.
     pub(crate) fn push(&mut self, light: &SampledLight) -> usize {
+        // Begin a block where the last one is full, or of another kind.
         let first_of_kind = match light.emission {
             LightEmission::Isotropic => self.blocks.is_empty(),
             LightEmission::Patch { .. } => self.patches.is_empty(),
@@ -207,6 +208,7 @@ impl LightSamples {
             }
             self.last_lanes = 0;
         }
+        // Fill the next lane.
         let (index, i) = (self.blocks.len() - 1, self.last_lanes);
         let block = &mut self.blocks[index];
         [block.x[i], block.y[i], block.z[i]] = light.position.to_array();

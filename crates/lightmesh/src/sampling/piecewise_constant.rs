@@ -84,17 +84,14 @@ mod tests {
         (Table::new(6, &weights), weights)
     }
 
-    fn invert(table: &Table, place: Vec2) -> Vec2 {
-        let (column, row) = table.cell(place);
+    fn invert(table: &Table, uv: Vec2) -> Vec2 {
+        let (column, row) = table.cell(uv);
         let at = |cdf: &[f32], i: usize, x: f32| {
             let before = if i > 0 { cdf[i - 1] } else { 0.0 };
             before + (cdf[i] - before) * (x - x.floor())
         };
         let columns = &table.columns[row * table.width..][..table.width];
-        Vec2::new(
-            at(columns, column, place.x * table.width as f32),
-            at(&table.rows, row, place.y * table.height as f32),
-        )
+        Vec2::new(at(columns, column, uv.x * table.width as f32), at(&table.rows, row, uv.y * table.height as f32))
     }
 
     #[test]

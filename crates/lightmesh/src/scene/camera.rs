@@ -123,20 +123,20 @@ impl FilmRays {
         self.eye
     }
 
-    /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies
-    /// `aside` of the ray, in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the
+    /// Returns the cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle
+    /// is `offset` pixels from the ray. It is as wide as the root of its solid angle, cos³θ times that of a square on the
     /// axis, θ the angle to it.
     pub(crate) fn cone(&self, ray: &Ray, width: f32, offset: Vec2) -> Cone {
         let pixel = self.pixel;
         let cos = ray.direction.dot(self.forward).max(0.0);
-        let aside = self.dx * offset.x + self.dy * offset.y;
+        let offset = self.dx * offset.x + self.dy * offset.y;
         if self.parallel {
-            return Cone { width: width * pixel, spread: 0.0, offset: aside / (width * pixel) };
+            return Cone { width: width * pixel, spread: 0.0, offset: offset / (width * pixel) };
         }
         let spread = width * pixel * cos * cos.sqrt();
         // The derivative of the unit direction.
-        let aside = (aside - ray.direction * aside.dot(ray.direction)) * cos;
-        Cone { width: 0.0, spread, offset: aside / spread }
+        let offset = (offset - ray.direction * offset.dot(ray.direction)) * cos;
+        Cone { width: 0.0, spread, offset: offset / spread }
     }
 
     /// Returns the distance of `p` along the camera's axis, metres.

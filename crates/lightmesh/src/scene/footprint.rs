@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(over(&nearest, &board, Vec2::splat(0.01), [Vec2::X, Vec2::Y]), 0.0);
     }
 
-    /// What runs over is looked up as a point.
+    /// Footprints that overflow are looked up as points.
     #[test]
     fn absurd_footprints_are_points() {
         let board = image(8, 8, |x, y| ((x + y) % 2) as f32);
