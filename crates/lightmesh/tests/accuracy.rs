@@ -31,7 +31,8 @@ fn relrmse(a: &Image, b: &Image) -> f64 {
     difference(&a.pixels, &b.pixels).relrmse
 }
 
-/// With exact light at every pixel as the truth: hybrid is several times better than the mean visibility of the same mesh.
+/// With exact light at every pixel as the truth: hybrid is several times better than the mean visibility of the same
+/// mesh.
 #[test]
 fn hybrid_is_nearly_exact() {
     let scene = hall();
@@ -56,9 +57,9 @@ fn both_halves_of_a_seed_choose_the_shadow_rays() {
     }
 }
 
-/// Where the pictures of 64 seeds are independent estimates of the truth, the mean of each tile's light is off by z standard errors
-/// with z nearly normal: the mean of z² over 48 tiles is 1 within 4 √(2/48) but once in 10,000, and that of the whole
-/// picture's light is below 4².
+/// Where the pictures of 64 seeds are independent estimates of the truth, the mean of each tile's light is off by z
+/// standard errors with z nearly normal: the mean of z² over 48 tiles is 1 within 4 √(2/48) but once in 10,000, and
+/// that of the whole picture's light is below 4².
 #[test]
 fn unbiased_light_has_no_bias() {
     const SEEDS: u64 = 64;
@@ -127,8 +128,8 @@ fn indirect_light_of_both_methods_is_that_of_the_mesh() {
     }
 }
 
-/// Indirect light too: the mean of pictures of many seeds is that of path tracing within the standard error of both, though the points of
-/// the mesh are a metre apart and its own picture is several such errors off.
+/// Indirect light too: the mean of pictures of many seeds is that of path tracing within the standard error of both,
+/// though the points of the mesh are a metre apart and its own picture is several such errors off.
 #[test]
 fn unbiased_indirect_light_is_that_of_paths() {
     let scene = hall();
@@ -159,8 +160,8 @@ fn unbiased_indirect_light_is_that_of_paths() {
     assert!((mesh - paths.0).abs() > 9.0 * error, "{mesh} and {paths:?}, within {error}");
 }
 
-/// True error at most 1.25 times the bound, and the estimate within half of the truth and of the bound; each bound takes more rays
-/// than the last.
+/// True error at most 1.25 times the bound, and the estimate within half of the truth and of the bound; each bound
+/// takes more rays than the last.
 #[test]
 fn error_bounds_are_kept() {
     let scene = hall();
@@ -237,7 +238,8 @@ fn refinement_keeps_to_the_memory_limit() {
     assert!(0 < some && some < all, "{some} of {all}");
 }
 
-/// The second frame of a mesh is the first frame's picture, whatever camera came between, for everything that depends on a pilot.
+/// The second frame of a mesh is the first frame's picture, whatever camera came between, for everything that depends
+/// on a pilot.
 #[test]
 fn what_came_before_does_not_matter() {
     let scene = hall();

@@ -1,4 +1,5 @@
-//! Emissive surfaces as light: closed forms for a rectangle and a sphere, sides, textures, and light that is counted once.
+//! Emissive surfaces as light: closed forms for a rectangle and a sphere, sides, textures, and light that is counted
+//! once.
 
 use std::f32::consts::PI;
 
@@ -118,8 +119,9 @@ fn a_textured_lamp_shines_where_its_texture_does() {
     }
 }
 
-/// A lamp is sampled, a panel that glows as dimly as a lit wall is left to gather rays; the picture has the light of each once:
-/// what paths find, within 6% (bounces read off the surfaces are up to 4% too bright at this spacing: indirect_light.rs).
+/// A lamp is sampled, a panel that glows as dimly as a lit wall is left to gather rays; the picture has the light of
+/// each once: what paths find, within 6% (bounces read off the surfaces are up to 4% too bright at this spacing:
+/// indirect_light.rs).
 #[test]
 fn emission_counts_once_whether_it_is_sampled_or_gathered() {
     for (emission, sampled) in [(200.0, true), (1.0, false)] {

@@ -1,4 +1,5 @@
-//! Contents of a mesh: what they say, and that a mesh which takes them in renders bit for bit as one that evaluated all by itself.
+//! Contents of a mesh: what they say, and that a mesh which takes them in renders bit for bit as one that evaluated all
+//! by itself.
 
 use std::f32::consts::PI;
 
@@ -41,8 +42,8 @@ fn shot(scene: &Scene, camera: &Camera, options: &RenderOptions, mesh: &mut Ligh
     render(scene, camera, options, mesh, &()).expect("frame")
 }
 
-/// One camera fills a mesh; a fresh one takes its contents in and shows the other camera's picture: the same bits as by a mesh of its own, and
-/// nothing is evaluated that came with the contents.
+/// One camera fills a mesh; a fresh one takes its contents in and shows the other camera's picture: the same bits as by
+/// a mesh of its own, and nothing is evaluated that came with the contents.
 fn check_shared(scene: &Scene, options: &RenderOptions) -> (Image, Snapshot) {
     let mut first = LightMesh::new(scene, options).expect("mesh");
     shot(scene, &room_camera(), options, &mut first);
@@ -153,8 +154,8 @@ fn pieces_make_a_whole() {
     }
 }
 
-/// Shapes and units. A lamp over a floor: I cosθ/r² on each of the six planes, all of it arriving above the floor. In a furnace: what
-/// arrives after N reflections is π (1 − a^(N+1)) / (1 − a).
+/// Shapes and units. A lamp over a floor: I cosθ/r² on each of the six planes, all of it arriving above the floor. In a
+/// furnace: what arrives after N reflections is π (1 − a^(N+1)) / (1 − a).
 #[test]
 fn numbers_are_what_the_documentation_says() {
     let mut data = floor(Vec3::splat(0.5));

@@ -7,8 +7,8 @@ use glam::Vec3;
 use lightmesh::metrics::difference;
 use lightmesh::{Camera, Interpolation, Light, Method, PaperScale, Scene, Spacing};
 
-/// L = albedo / π · I cosθ / r² on a floor under a point light, seen from above: without anything in the way every method
-/// gives it, the mesh too (its visibility is exactly 1).
+/// L = albedo / π · I cosθ / r² on a floor under a point light, seen from above: without anything in the way every
+/// method gives it, the mesh too (its visibility is exactly 1).
 #[test]
 fn a_point_light_over_a_floor_is_albedo_over_pi_times_intensity_cos_over_r_squared() {
     let mut data = floor(Vec3::new(0.8, 0.5, 0.2));
@@ -64,8 +64,8 @@ fn path_without_bounces_is_standard() {
     assert!(d.max < 1e-4 * standard.image.pixels.iter().map(|p| p.max_element()).fold(0.0, f32::max) as f64, "{d:?}");
 }
 
-/// A ladder: the six-axis mesh comes closer to exact shadow rays as it is refined; the paper's scalar does not get below
-/// its floor, because it cannot know which lights a surface faces.
+/// A ladder: the six-axis mesh comes closer to exact shadow rays as it is refined; the paper's scalar does not get
+/// below its floor, because it cannot know which lights a surface faces.
 #[test]
 fn refining_the_mesh_brings_it_closer_to_standard() {
     let scene = Scene::new(room()).expect("scene");

@@ -25,8 +25,8 @@ fn mean(pixels: &[Vec3], choose: impl Fn(f32, f32) -> bool) -> Vec3 {
     chosen.iter().sum::<Vec3>() / chosen.len() as f32
 }
 
-/// The white furnace: a convex body of albedo a under the radiance L from everywhere has the radiance a L, as E = π L at
-/// each of its points; beside it L itself is seen. The white one disappears.
+/// The white furnace: a convex body of albedo a under the radiance L from everywhere has the radiance a L, as E = π L
+/// at each of its points; beside it L itself is seen. The white one disappears.
 #[test]
 fn a_ball_in_a_furnace_has_albedo_times_the_radiance() {
     let radiance = Vec3::new(3.0, 2.0, 1.0);
@@ -72,8 +72,8 @@ fn a_floor_under_a_constant_sky_has_albedo_times_the_radiance() {
     }
 }
 
-/// A sky that shines L from the half with x > 0 alone, turned about +Y by `turn`: by E = ∫ L cos over that half, surfaces
-/// that face +X, +Z, −X after the turn get π L, π L / 2 and 0. The camera looks at a cube's side from outside.
+/// A sky that shines L from the half with x > 0 alone, turned about +Y by `turn`: by E = ∫ L cos over that half,
+/// surfaces that face +X, +Z, −X after the turn get π L, π L / 2 and 0. The camera looks at a cube's side from outside.
 #[test]
 fn a_lit_half_lights_what_faces_it_and_turns() {
     let (width, height) = (256, 128);

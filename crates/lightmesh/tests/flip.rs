@@ -32,8 +32,8 @@ fn noise(x: usize, y: usize, seed: usize) -> u8 {
 /// counts in f32, ours in f64, and the largest deviation seen is 6e-6.
 ///
 /// The second column is the mean that the authors' C++ program gave for these bytes, rounded to eight digits: crate
-/// `nv-flip` 0.1.2, which wraps it (`nv-flip-sys` 0.1.1), `FlipPool::mean` of `flip(reference, test, 67)`. The crate needs
-/// a C++17 compiler and is therefore no dependency.
+/// `nv-flip` 0.1.2, which wraps it (`nv-flip-sys` 0.1.1), `FlipPool::mean` of `flip(reference, test, 67)`. The crate
+/// needs a C++17 compiler and is therefore no dependency.
 #[test]
 fn agrees_with_the_authors() {
     let disc = |x: usize, y: usize, cx: f64, cy: f64| {

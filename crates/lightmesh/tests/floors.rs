@@ -152,7 +152,8 @@ fn imports_are_found() {
     assert_eq!(homes_of_root_names()["RenderOptions"], "options");
 }
 
-/// The modules of a folder that a file names, through its path or through as many `super::` as lead to it from the file.
+/// The modules of a folder that a file names, through its path or through as many `super::` as lead to it from the
+/// file.
 fn siblings(text: &str, folder: &str, up: usize, modules: &[String]) -> Vec<String> {
     let code: String =
         text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect();

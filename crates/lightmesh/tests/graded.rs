@@ -25,8 +25,8 @@ fn error(frame: &Frame, truth: &Frame, choose: impl Fn(usize) -> bool) -> f64 {
     (chosen.iter().map(square).sum::<f64>() / chosen.len() as f64).sqrt()
 }
 
-/// Every step brings what is near nearer to exact shadow rays, with fewer points than half the spacing everywhere takes; what is far away
-/// keeps its light to the last bit, and levels go up towards the eye.
+/// Every step brings what is near nearer to exact shadow rays, with fewer points than half the spacing everywhere
+/// takes; what is far away keeps its light to the last bit, and levels go up towards the eye.
 #[test]
 fn what_is_near_is_nearer_to_the_truth() {
     let scene = Scene::new(room()).expect("scene");
@@ -64,8 +64,8 @@ fn sized_standard() -> RenderOptions {
     })
 }
 
-/// Every method with a mesh has finer points near the eye, for indirect light too, and its second frame is its first, whatever other
-/// camera, and whatever other distance, came between.
+/// Every method with a mesh has finer points near the eye, for indirect light too, and its second frame is its first,
+/// whatever other camera, and whatever other distance, came between.
 #[test]
 fn what_came_before_does_not_matter() {
     let scene = Scene::new(room()).expect("scene");

@@ -13,8 +13,8 @@ fn gi(method: Method, bounces: u32) -> RenderOptions {
     })
 }
 
-/// A closed box of 4 × 3 × 4 m in which everything has albedo `a` and emits 1 cd/m², with a box that stands on its floor against a
-/// wall and a sheet of 1 cm in the middle.
+/// A closed box of 4 × 3 × 4 m in which everything has albedo `a` and emits 1 cd/m², with a box that stands on its
+/// floor against a wall and a sheet of 1 cm in the middle.
 fn furnace(a: f32) -> SceneData {
     let glow = Material { emission: Vec3::ONE, ..Material::lambert(Vec3::splat(a)) };
     let mut data = SceneData { materials: vec![glow], ..SceneData::default() };
@@ -24,8 +24,8 @@ fn furnace(a: f32) -> SceneData {
     data
 }
 
-/// e / (1 − a) everywhere (less a^(N+1) of it after N bounces): room corners, the foot of the box, both sides of the sheet. No
-/// dark lines, no light lines: no pixel is 2% off.
+/// e / (1 − a) everywhere (less a^(N+1) of it after N bounces): room corners, the foot of the box, both sides of the
+/// sheet. No dark lines, no light lines: no pixel is 2% off.
 #[test]
 fn a_furnace_is_one_over_one_minus_albedo() {
     for (a, bounces) in [(0.2_f32, 4), (0.5, 9), (0.8, 30)] {
@@ -85,8 +85,8 @@ mod radiosity {
         corner + u * ((i as f64 + 0.5) / n as f64) + v * ((j as f64 + 0.5) / n as f64)
     }
 
-    /// Radiance of every patch, wall by wall, of `albedos` and a lamp of `intensity` at `lamp`: B = ρ (E + F B), L = B / π. Form
-    /// factors by SUB² points on the sending patch, rows scaled to the sum 1 that they have in a closed room.
+    /// Radiance of every patch, wall by wall, of `albedos` and a lamp of `intensity` at `lamp`: B = ρ (E + F B), L = B
+    /// / π. Form factors by SUB² points on the sending patch, rows scaled to the sum 1 that they have in a closed room.
     pub(super) fn solve(albedos: &[DVec3; 6], lamp: DVec3, intensity: DVec3) -> Vec<DVec3> {
         let patches: Vec<(usize, usize, usize)> =
             (0..6).flat_map(|w| (0..SIDE * SIDE).map(move |k| (w, k % SIDE, k / SIDE))).collect();
@@ -132,8 +132,8 @@ mod radiosity {
     }
 }
 
-/// Mesh and path tracer against radiosity, mean of a wall by wall: a red, a green and four white ones. A mesh reads its light off
-/// the wall, towards the brighter middle of the room: that error falls with the spacing.
+/// Mesh and path tracer against radiosity, mean of a wall by wall: a red, a green and four white ones. A mesh reads its
+/// light off the wall, towards the brighter middle of the room: that error falls with the spacing.
 #[test]
 fn a_coloured_box_agrees_with_radiosity() {
     let albedos = [
@@ -201,8 +201,8 @@ fn energy_never_grows_with_bounces() {
     }
 }
 
-/// What is said to be left out is what more bounces bring, within a quarter of it: it is known for the mesh points, not for
-/// the picture.
+/// What is said to be left out is what more bounces bring, within a quarter of it: it is known for the mesh points, not
+/// for the picture.
 #[test]
 fn the_light_that_is_left_out_is_estimated() {
     let scene = Scene::new(room()).expect("scene");
@@ -219,8 +219,8 @@ fn both_points(frame: &Frame) -> u64 {
     frame.stats.direct.points_used + frame.stats.indirect.points_used
 }
 
-/// A second frame from another camera fills what is new, at most 40% of what the first one filled, shows what a mesh of its own
-/// would, and a third from the first camera fills nothing.
+/// A second frame from another camera fills what is new, at most 40% of what the first one filled, shows what a mesh of
+/// its own would, and a third from the first camera fills nothing.
 #[test]
 fn a_second_frame_fills_only_what_is_new() {
     let scene = Scene::new(room()).expect("scene");
@@ -264,8 +264,9 @@ fn threads_do_not_change_a_picture() {
     }
 }
 
-/// Two rooms with open fronts side by side, a wall of 5 cm between them, two lamps in the left one. The right one stays black:
-/// below a thousandth of the picture's mean, whatever the spacing does to the wall; the left one is what paths find.
+/// Two rooms with open fronts side by side, a wall of 5 cm between them, two lamps in the left one. The right one stays
+/// black: below a thousandth of the picture's mean, whatever the spacing does to the wall; the left one is what paths
+/// find.
 #[test]
 fn a_thin_wall_does_not_leak() {
     let mut data = SceneData { materials: vec![Material::lambert(Vec3::splat(0.7))], ..SceneData::default() };

@@ -39,8 +39,8 @@ fn relrmse(a: &Frame, b: &Frame) -> f32 {
     (squares * pairs().len() as f32).sqrt() / mean
 }
 
-/// The ladder of errors: each rung's picture, with the noise of the clusters' shadows, is within ε (empirical: ε is of the unshadowed light) of
-/// that which knows every light, and takes fewer rays.
+/// The ladder of errors: each rung's picture, with the noise of the clusters' shadows, is within ε (empirical: ε is of
+/// the unshadowed light) of that which knows every light, and takes fewer rays.
 #[test]
 fn pictures_are_as_near_as_they_say() {
     let scene = Scene::new(crowded()).expect("scene");
@@ -88,7 +88,8 @@ fn clusters_are_the_same_whoever_asks() {
     }
 }
 
-/// What is known light by light is known of clusters too: near to what knows every light and to the truth, with fewer rays and less memory.
+/// What is known light by light is known of clusters too: near to what knows every light and to the truth, with fewer
+/// rays and less memory.
 #[test]
 fn hybrid_light_of_clusters_is_nearly_exact() {
     let scene = Scene::new(crowded()).expect("scene");
@@ -111,9 +112,10 @@ fn hybrid_light_of_clusters_is_nearly_exact() {
     assert_eq!(every.image, clusters.image);
 }
 
-/// Clusters that are chosen by what they seem to give, one of whose lights stands for all: the mean of pictures of many seeds is the truth
-/// within its standard error, as in tests/accuracy.rs, over 12 tiles. Two thirds of the lamps float around the box, little above the plane of its
-/// top or below it: most clusters seem to give it nothing, and some of their lights do.
+/// Clusters that are chosen by what they seem to give, one of whose lights stands for all: the mean of pictures of many
+/// seeds is the truth within its standard error, as in tests/accuracy.rs, over 12 tiles. Two thirds of the lamps float
+/// around the box, little above the plane of its top or below it: most clusters seem to give it nothing, and some of
+/// their lights do.
 #[test]
 fn unbiased_light_of_clusters_has_no_bias() {
     const SEEDS: u64 = 96;

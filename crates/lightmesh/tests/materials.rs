@@ -28,7 +28,8 @@ fn panel(data: &mut SceneData, y: f32, material: Material) {
     place(data, mesh);
 }
 
-/// A BLEND panel over a white floor: shadow rays keep (1 − α) mix(1, base, α), the eye sees α · panel + (1 − α) · floor.
+/// A BLEND panel over a white floor: shadow rays keep (1 − α) mix(1, base, α), the eye sees α · panel + (1 − α) ·
+/// floor.
 #[test]
 fn a_blended_panel_casts_a_coloured_shadow_and_is_seen_through() {
     let mut data = floor(Vec3::ONE);
@@ -99,8 +100,8 @@ fn a_smooth_dielectric_splits_by_fresnel() {
     assert!((middle(&scene, &camera, &options(Method::Standard)).x - expected).abs() < 2e-3);
 }
 
-/// Through the middle of a glass sphere a ray goes straight: (1 − F0)² of what is behind; and Snell's law holds at a block's
-/// upper face: sinθt = sinθ / 1.5 shifts what is seen below.
+/// Through the middle of a glass sphere a ray goes straight: (1 − F0)² of what is behind; and Snell's law holds at a
+/// block's upper face: sinθt = sinθ / 1.5 shifts what is seen below.
 #[test]
 fn glass_refracts() {
     let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
@@ -114,7 +115,8 @@ fn glass_refracts() {
     let expected = 10.0 * 0.96 * 0.96 / (1.0 - 0.04 * 0.04);
     assert!((through - expected).abs() < 0.02, "{through} {expected}");
 
-    // A block of glass, 1 m thick, on a floor whose left half emits. Seen at 45°, the ray lands sinθt / cosθt behind its entry.
+    // A block of glass, 1 m thick, on a floor whose left half emits. Seen at 45°, the ray lands sinθt / cosθt behind
+    // its entry.
     let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
     let mut data = SceneData { materials: vec![glass], ..SceneData::default() };
     place(&mut data, cuboid(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 1.0, 3.0), 0));
@@ -178,8 +180,8 @@ fn path_passes_the_furnace() {
 }
 
 /// A normal map's green is up in the picture, its red to the right: (½ ± x, ½ ± y) lean the normal that way. The panel
-/// faces +Y with u along +X and v along +Z (down in the picture), so "up" is −Z. From both sides of the panel, with given
-/// tangents and with those derived from the texture coordinates.
+/// faces +Y with u along +X and v along +Z (down in the picture), so "up" is −Z. From both sides of the panel, with
+/// given tangents and with those derived from the texture coordinates.
 #[test]
 fn normal_maps_lean_the_way_they_are_painted() {
     let lean = 0.6_f32;
@@ -197,7 +199,8 @@ fn normal_maps_lean_the_way_they_are_painted() {
                 mesh.normals = vec![Vec3::Y; 4];
                 mesh.tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
             }
-            // Light from straight above the leaning normal is brighter than from the other side, by the ratio of cosines.
+            // Light from straight above the leaning normal is brighter than from the other side, by the ratio of
+            // cosines.
             let mut bright = |direction: Vec3, eye: f32| {
                 data.lights = vec![Light::Directional { direction: -direction, illuminance_lux: Vec3::splat(PI) }];
                 let scene = Scene::new(data.clone()).expect("scene");
@@ -214,7 +217,8 @@ fn normal_maps_lean_the_way_they_are_painted() {
     }
 }
 
-/// What a mirror shows takes its light from the mesh like what is seen directly: no shadow ray but those of mesh points.
+/// What a mirror shows takes its light from the mesh like what is seen directly: no shadow ray but those of mesh
+/// points.
 #[test]
 fn mirrored_hits_read_the_mesh() {
     let mut data = floor(Vec3::splat(0.8));

@@ -71,9 +71,9 @@ fn a_point_light_gives_a_meter_intensity_times_cosine_over_squared_distance() {
     }
 }
 
-/// Irradiance from a polygon of radiance 1, its corners seen counter-clockwise, all above the meter's plane: Lambert's formula,
-/// E = ½ Σ_i Θ_i n·Γ_i, Θ_i the angle that edge i spans and Γ_i the unit normal of the plane through it and the meter (Lambert,
-/// "Photometria", 1760; Arvo, "Analytic Methods for Simulated Light Transport", 1995, eq. 2.21).
+/// Irradiance from a polygon of radiance 1, its corners seen counter-clockwise, all above the meter's plane: Lambert's
+/// formula, E = ½ Σ_i Θ_i n·Γ_i, Θ_i the angle that edge i spans and Γ_i the unit normal of the plane through it and
+/// the meter (Lambert, "Photometria", 1760; Arvo, "Analytic Methods for Simulated Light Transport", 1995, eq. 2.21).
 fn lambert(corners: &[Vec3], p: Vec3, n: Vec3) -> f32 {
     let edges = corners.iter().zip(corners.iter().cycle().skip(1));
     let sum: f32 = edges.map(|(&a, &b)| (a - p).angle_between(b - p) * n.dot((a - p).cross(b - p).normalize())).sum();
@@ -85,7 +85,8 @@ fn lamp() -> Material {
     Material { emission: Vec3::splat(100.0), ..Material::lambert(Vec3::ZERO) }
 }
 
-/// A rectangle, by Lambert's formula, and a sphere, E = π L (r/d)² cosθ where all of it is above the horizon; each within 1%.
+/// A rectangle, by Lambert's formula, and a sphere, E = π L (r/d)² cosθ where all of it is above the horizon; each
+/// within 1%.
 #[test]
 fn lamps_of_a_size_have_closed_forms() {
     let emitters = EmitterOptions { light_samples: 4096, ..EmitterOptions::default() };
@@ -129,7 +130,8 @@ fn lamps_of_a_size_have_closed_forms() {
     });
 }
 
-/// A closed box in which everything has albedo a and emits 1 cd/m²: π / (1 − a) on every plane, less a^(N+1) of it after N bounces.
+/// A closed box in which everything has albedo a and emits 1 cd/m²: π / (1 − a) on every plane, less a^(N+1) of it
+/// after N bounces.
 #[test]
 fn a_furnace_shines_alike_on_every_meter() {
     for (a, bounces) in [(0.2_f32, 4), (0.6, 20)] {
@@ -328,8 +330,8 @@ fn measuring_reports_and_stops() {
     }
 }
 
-/// A box that is filled ahead leaves a picture in it nothing to fill, and the picture is that of a cold mesh; what is filled around
-/// places is what meters there read, whichever way they face.
+/// A box that is filled ahead leaves a picture in it nothing to fill, and the picture is that of a cold mesh; what is
+/// filled around places is what meters there read, whichever way they face.
 #[test]
 fn what_is_filled_ahead_is_only_read() {
     let scene = Scene::new(room()).expect("scene");

@@ -26,9 +26,9 @@ fn refused(options: &RenderOptions, word: &str) {
     }
 }
 
-/// A lit floor without anything on it: all corners before it see every light, so that Ĩ = 1 by three of the rules and s, the
-/// height of the surface above the lower lattice plane, by the fourth. The floor's box is flat: the plane half a cell above its
-/// lower wall is h/2 above the floor, and s = 1/2.
+/// A lit floor without anything on it: all corners before it see every light, so that Ĩ = 1 by three of the rules and
+/// s, the height of the surface above the lower lattice plane, by the fourth. The floor's box is flat: the plane half a
+/// cell above its lower wall is h/2 above the floor, and s = 1/2.
 #[test]
 fn a_bare_floor_has_the_share_of_the_corners_that_are_there() {
     let mut data = floor(Vec3::ONE);
@@ -47,7 +47,8 @@ fn a_bare_floor_has_the_share_of_the_corners_that_are_there() {
     }
 }
 
-/// Zero is darker everywhere than one, by what is missing; the other two lie between, as plain trilinear does, and near the truth.
+/// Zero is darker everywhere than one, by what is missing; the other two lie between, as plain trilinear does, and near
+/// the truth.
 #[test]
 fn zero_is_dark_and_one_is_bright() {
     let scene = Scene::new(room()).expect("scene");
@@ -67,8 +68,8 @@ fn zero_is_dark_and_one_is_bright() {
     }
 }
 
-/// A slit of 0.1 m between two blocks, and a mesh of 0.2 m: on its floor all corners are inside the blocks. Two rules say what that
-/// means, with the other two it is traced.
+/// A slit of 0.1 m between two blocks, and a mesh of 0.2 m: on its floor all corners are inside the blocks. Two rules
+/// say what that means, with the other two it is traced.
 #[test]
 fn where_no_corner_is_there_the_rule_says_what_that_means() {
     let mut data = floor(Vec3::splat(0.5));
@@ -162,8 +163,8 @@ fn a_gaussian_is_sharper_than_equal_weights() {
     assert!(gaussian < 0.95 * constant, "{gaussian} {constant}");
 }
 
-/// In a furnace of emission 1 and albedo 1/2, emission, what it lights and two reflections of that make 1 + 1/2 + 1/4 + 1/8
-/// everywhere, whatever the weights: they are normalised.
+/// In a furnace of emission 1 and albedo 1/2, emission, what it lights and two reflections of that make 1 + 1/2 + 1/4 +
+/// 1/8 everywhere, whatever the weights: they are normalised.
 #[test]
 fn weights_are_normalised_for_indirect_light_too() {
     let glow = Material { emission: Vec3::ONE, ..Material::lambert(Vec3::splat(0.5)) };

@@ -113,8 +113,8 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
     mesh
 }
 
-/// A mesh that two machines filled together gives the picture, and leaves almost nothing to fill: points that surfaces without
-/// any to read ask for are found out on the way.
+/// A mesh that two machines filled together gives the picture, and leaves almost nothing to fill: points that surfaces
+/// without any to read ask for are found out on the way.
 #[test]
 fn a_mesh_that_several_fill_is_the_mesh_that_one_fills() {
     // A wall that shines a little is found by gather rays alone.

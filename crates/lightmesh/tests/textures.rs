@@ -35,7 +35,8 @@ fn frontal(distance: f32) -> Camera {
     Camera::look_at(Vec3::new(0.1, 0.2, distance), Vec3::new(0.1, 0.2, 0.0), 0.5)
 }
 
-/// Black and white texels, hundreds to a pixel: every pixel is grey, with one sample and with four. Pinhole and parallel rays.
+/// Black and white texels, hundreds to a pixel: every pixel is grey, with one sample and with four. Pinhole and
+/// parallel rays.
 #[test]
 fn a_checkerboard_far_away_is_grey() {
     let scene = Scene::new(wall(40.0, |x, y| ((x + y) % 2) as f32)).expect("scene");
@@ -60,10 +61,11 @@ fn error(image: &[Vec3], truth: &[Vec3]) -> (f32, f32) {
     (squares.sqrt() / mean, image.iter().zip(truth).map(|(a, b)| a.x - b.x).sum::<f32>() / (n * mean))
 }
 
-/// Stripes of three pixels, frontal, slanted by perspective, and seen at a grazing angle along and across: the limit is that of point
-/// samples (textures of MASK materials are looked up at points), of which 1024 are the truth. Where stripes are narrower than a pixel,
-/// four samples have much less error than four point samples; where they are not, little error: a lookup is a little wider than a
-/// box. Empirical: 0.059 (of points 0.023), 0.087 (0.041), 0.083 (0.184) and 0.088 (0.288) were found.
+/// Stripes of three pixels, frontal, slanted by perspective, and seen at a grazing angle along and across: the limit is
+/// that of point samples (textures of MASK materials are looked up at points), of which 1024 are the truth. Where
+/// stripes are narrower than a pixel, four samples have much less error than four point samples; where they are not,
+/// little error: a lookup is a little wider than a box. Empirical: 0.059 (of points 0.023), 0.087 (0.041), 0.083
+/// (0.184) and 0.088 (0.288) were found.
 #[test]
 fn four_samples_are_near_the_limit() {
     let along = Camera::look_at(Vec3::new(0.0, -6.0, 0.5), Vec3::ZERO, 0.5);

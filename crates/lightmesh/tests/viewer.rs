@@ -157,8 +157,8 @@ fn a_generous_limit_takes_all_samples() {
     }
 }
 
-/// Half a second is used, or four times what the first pass takes where that is more, for more samples than the first pass, and not
-/// exceeded by much. Layers are means over the same samples as the light.
+/// Half a second is used, or four times what the first pass takes where that is more, for more samples than the first
+/// pass, and not exceeded by much. Layers are means over the same samples as the light.
 #[test]
 fn the_limit_is_kept() {
     let scene = Scene::new(room_with_mirror()).expect("scene");

@@ -17,7 +17,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
 }
 
-/// Every file of the repository below a folder of it, from the root and with forward slashes; build outputs are left out.
+/// Every file of the repository below a folder of it, from the root and with forward slashes; build outputs are left
+/// out.
 fn files_below(folder: &str) -> Vec<String> {
     let mut files = Vec::new();
     let Ok(entries) = fs::read_dir(root().join(folder)) else { return files };
@@ -196,7 +197,8 @@ fn options_exist() {
     none_of(&wrong);
 }
 
-/// The names that belong to each type: methods, constants, variants and fields, from its definition and its `impl` blocks.
+/// The names that belong to each type: methods, constants, variants and fields, from its definition and its `impl`
+/// blocks.
 fn members(sources: &[String]) -> BTreeMap<String, BTreeSet<String>> {
     let mut members: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for source in sources {

@@ -118,7 +118,8 @@ impl MeshFile {
         Ok(())
     }
 
-    /// Returns the key of the mesh, from the settings that it names; `None` where those are not the ones of its fingerprint.
+    /// Returns the key of the mesh, from the settings that it names; `None` where those are not the ones of its
+    /// fingerprint.
     fn key(&self) -> Option<MeshKey> {
         let key = MeshKey::of(&settings::render_options(&self.settings)?);
         Some(key).filter(|key| Fingerprint::of_key(key) == self.settings_fingerprint)

@@ -31,9 +31,9 @@ pub struct Measured {
 /// | [`Method::Standard`] | a shadow ray to every light sample | none |
 /// | [`Method::Path`] | [`PictureOptions::spp`](crate::PictureOptions::spp) samples | their paths |
 ///
-/// What a meter reads depends on its own position and direction alone, bit for bit: not on other meters, threads, or what
-/// was measured or rendered before. Meters outside the scene's box, where no mesh point is, get exact direct light and
-/// gather their indirect light by rays of their own.
+/// What a meter reads depends on its own position and direction alone, bit for bit: not on other meters, threads, or
+/// what was measured or rendered before. Meters outside the scene's box, where no mesh point is, get exact direct light
+/// and gather their indirect light by rays of their own.
 ///
 /// Size, samples, layers and cutoff of a picture have no part in it, but must be in range; samples count for
 /// [`Method::Path`].
@@ -63,8 +63,8 @@ pub struct Measured {
 /// [`Error::InvalidMeter`] names the first meter that is not finite or faces nowhere. [`Error::InvalidOption`] for
 /// options out of range, a mesh that was made for others, and options that need a picture: `error`, `refine` and
 /// `graded` put mesh points and rays where a picture needs them, `time_limit` ends when every pixel has a sample.
-/// [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon after
-/// `progress` says so.
+/// [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon
+/// after `progress` says so.
 pub fn measure(
     scene: &Scene,
     meters: &[Meter],

@@ -56,8 +56,8 @@ impl RegionCuts {
             match options.method.has_mesh() && options.transport.light_error > 0.0 && many.contains(&samples.len()) {
                 false => None,
                 true => {
-                    // Blocks of the packed lights, the front and its successor; their terms, and their states at some two
-                    // hundred points.
+                    // Blocks of the packed lights, the front and its successor; their terms, and their states at some
+                    // two hundred points.
                     let bytes_per_light = if options.method.knows_lights() { 256 } else { 128 };
                     let threads = rayon::current_num_threads() as u64;
                     let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;

@@ -149,7 +149,8 @@ impl GatherBatch {
     /// Called again, it does nothing.
     ///
     /// # Errors
-    /// [`Error::IncompatibleMesh`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::IncompatibleMesh`] for another mesh than it was made with, [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn light(
         &mut self,
         scene: &Scene,

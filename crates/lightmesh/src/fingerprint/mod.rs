@@ -38,7 +38,8 @@ impl Fingerprint {
     }
 
     /// Returns the fingerprint of the settings that values of mesh points depend on, their [`MeshKey`]. `hybrid` and
-    /// `unbiased` have the same points. The number of bounces is not part of it; [`Snapshot`](crate::Snapshot) tells it.
+    /// `unbiased` have the same points. The number of bounces is not part of it; [`Snapshot`](crate::Snapshot) tells
+    /// it.
     pub fn of_settings(options: &RenderOptions) -> Self {
         Self::of_key(&MeshKey::of(options))
     }

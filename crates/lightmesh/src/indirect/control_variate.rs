@@ -5,8 +5,8 @@
 //!
 //! > E_k = π ⟨Le + a/π (D + E_{k−1})⟩.
 //!
-//! D is the direct irradiance where they end, itself an unbiased estimate. The mesh approximates E_{k−1} there by M. With
-//! probability q a ray goes on, and finds an estimate U of the same kind with one ray of its own. Then
+//! D is the direct irradiance where they end, itself an unbiased estimate. The mesh approximates E_{k−1} there by M.
+//! With probability q a ray goes on, and finds an estimate U of the same kind with one ray of its own. Then
 //!
 //! > M + (U − M) / q if it goes on, M if not
 //!

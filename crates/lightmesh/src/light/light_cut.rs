@@ -13,8 +13,8 @@ use crate::Falloff;
 use crate::geometry::Ray;
 use crate::sampling::{hash, seed_of_position, unit_f32};
 
-/// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the noise
-/// and the time of 0 to 0.4.
+/// [`Tolerance::shadows`] of clusters: ½ if every cluster were half hidden. Empirical: docs/many-lights.md has the
+/// noise and the time of 0 to 0.4.
 const SHADOWS: f32 = 0.3;
 
 /// The lights of a receiver and the shadow rays to them; buffers are kept from receiver to receiver.

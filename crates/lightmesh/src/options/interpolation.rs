@@ -5,19 +5,20 @@ use std::str::FromStr;
 
 use super::Expected;
 
-/// The neighbourhood D_y of formula (3g). Spelled `auto`, `trilinear`, `trilinear:RULE`, `sphere`, `sphere:R` or `nearest`.
+/// The neighbourhood D_y of formula (3g). Spelled `auto`, `trilinear`, `trilinear:RULE`, `sphere`, `sphere:R` or
+/// `nearest`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Interpolation {
     /// Trilinear; for [`Method::Paper`](crate::Method::Paper) a sphere of 1.5 spacings.
     #[default]
     Auto,
-    /// The eight corners of the cell half a spacing off the surface, trilinear weights; corners that are behind the surface,
-    /// inside solids or hidden are left out, and the weights of the rest are normalised.
+    /// The eight corners of the cell half a spacing off the surface, trilinear weights; corners that are behind the
+    /// surface, inside solids or hidden are left out, and the weights of the rest are normalised.
     Trilinear,
-    /// The eight corners of the cell that the surface point itself is in, trilinear weights, and a rule for those that are
-    /// missing (figs. 10-11 of the paper). What stands between a corner and the surface is not asked. It is for the direct
-    /// light of [`Method::Paper`](crate::Method::Paper), and of [`Method::Mesh`](crate::Method::Mesh) without a bound on its
-    /// error; indirect light is read as by [`Self::Trilinear`].
+    /// The eight corners of the cell that the surface point itself is in, trilinear weights, and a rule for those that
+    /// are missing (figs. 10-11 of the paper). What stands between a corner and the surface is not asked. It is for the
+    /// direct light of [`Method::Paper`](crate::Method::Paper), and of [`Method::Mesh`](crate::Method::Mesh) without a
+    /// bound on its error; indirect light is read as by [`Self::Trilinear`].
     TrilinearWith(MissingCorners),
     /// Every mesh point within `radius` spacings, weighted as [`MeshOptions::weight`](crate::MeshOptions::weight) says
     /// (figs. 7-9).
@@ -29,16 +30,17 @@ pub enum Interpolation {
     Nearest,
 }
 
-/// What a corner counts as that is behind the surface's plane or, except with [`Method::Paper`](crate::Method::Paper), inside
-/// a solid: figs. 10-11 of the paper. Ĩ is what the other corners say, s the part of the trilinear weight that they have.
+/// What a corner counts as that is behind the surface's plane or, except with [`Method::Paper`](crate::Method::Paper),
+/// inside a solid: figs. 10-11 of the paper. Ĩ is what the other corners say, s the part of the trilinear weight that
+/// they have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MissingCorners {
     /// Visibility 0: s Ĩ. Edges are dark.
     Zero,
     /// Its weight goes to the corner nearest to the surface point, among those that are there.
     Nearest,
-    /// Its weight goes to the corner at the other end of the cell's edge along the axis in which the normal is longest; where
-    /// that is missing, too, as with [`Self::Nearest`].
+    /// Its weight goes to the corner at the other end of the cell's edge along the axis in which the normal is longest;
+    /// where that is missing, too, as with [`Self::Nearest`].
     Mirror,
     /// Visibility 1: s Ĩ + (1 − s). Edges are bright.
     One,
@@ -99,14 +101,16 @@ impl fmt::Display for Interpolation {
     }
 }
 
-/// Weights of the mesh points in a sphere: φ4 of formula (3g) for direct light and φ5 of (6) for indirect light. Means are over
-/// weights: Ĩ(y) = Σ φ(x_i, y) DirectLight(x_i) / Σ φ(x_i, y). The paper has 1; others are among its future work.
+/// Weights of the mesh points in a sphere: φ4 of formula (3g) for direct light and φ5 of (6) for indirect light. Means
+/// are over weights: Ĩ(y) = Σ φ(x_i, y) DirectLight(x_i) / Σ φ(x_i, y). The paper has 1; others are among its future
+/// work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PointWeight {
     /// 1.
     #[default]
     Constant,
-    /// exp(−d² / (2 (R/2)²)), d the distance of the point from the surface point and R the sphere's radius: e⁻² at its edge.
+    /// exp(−d² / (2 (R/2)²)), d the distance of the point from the surface point and R the sphere's radius: e⁻² at its
+    /// edge.
     Gaussian,
     /// 1 / max(d, 0.1), d in spacings.
     Inverse,

@@ -28,8 +28,8 @@ const UNITS: [(&str, u64); 9] = [
 
 pub(super) const EXPECTED_BYTES: &str = "a size above 0 with a unit, as in 4GiB, 512MiB or 2GB";
 
-/// Returns the bytes that a text names: a number with a unit, in any case; bytes where it has no unit. `None` where it names
-/// none, or less than one.
+/// Returns the bytes that a text names: a number with a unit, in any case; bytes where it has no unit. `None` where it
+/// names none, or less than one.
 pub fn parse_bytes(text: &str) -> Option<u64> {
     if let Ok(bytes) = text.trim().parse::<u64>() {
         return Some(bytes).filter(|&bytes| bytes > 0);

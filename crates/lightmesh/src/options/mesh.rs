@@ -11,14 +11,14 @@ pub struct MeshOptions {
     pub indirect_spacing: Spacing,
     /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
     pub gather_rays: u32,
-    /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all, or where
-    /// there is a bound on the error twice.
+    /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all,
+    /// or where there is a bound on the error twice.
     pub refine: Option<u32>,
-    /// Density that falls with the distance from the eye: mesh points nearer to the camera's position than so many metres,
-    /// above 0, have half the spacing, nearer than half of it a quarter, nearer than a quarter of it an eighth. The spacings
-    /// above are those of what is farther away. Where points would not fit into half of the memory, fewer of these steps are
-    /// taken. It is for meshes that are read trilinear, and what [`Self::refine`] does comes after it. `None`: one spacing
-    /// everywhere.
+    /// Density that falls with the distance from the eye: mesh points nearer to the camera's position than so many
+    /// metres, above 0, have half the spacing, nearer than half of it a quarter, nearer than a quarter of it an eighth.
+    /// The spacings above are those of what is farther away. Where points would not fit into half of the memory, fewer
+    /// of these steps are taken. It is for meshes that are read trilinear, and what [`Self::refine`] does comes after
+    /// it. `None`: one spacing everywhere.
     pub lod_distance: Option<f32>,
     /// How mesh points are combined.
     pub interpolation: Interpolation,

@@ -20,8 +20,8 @@ pub(crate) enum PointKind {
     ByLight,
 }
 
-/// All that the values of a light mesh depend on beside the scene. Frames, mesh files and the parts of a picture compare it:
-/// meshes of the same key and scene have the same values.
+/// All that the values of a light mesh depend on beside the scene. Frames, mesh files and the parts of a picture
+/// compare it: meshes of the same key and scene have the same values.
 ///
 /// Not in it is the number of bounces: a mesh that was made for more of them serves fewer.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +86,8 @@ impl MeshKey {
         }
     }
 
-    /// Returns the first option in which a mesh of this key and one of `asked` differ; `None` where their values are the same.
+    /// Returns the first option in which a mesh of this key and one of `asked` differ; `None` where their values are
+    /// the same.
     pub fn difference(&self, asked: &Self) -> Option<KeyDifference> {
         self.direct_difference(asked).or_else(|| self.indirect_difference(asked))
     }

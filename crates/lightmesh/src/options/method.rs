@@ -9,9 +9,9 @@ use super::{Falloff, PaperScale};
 pub enum Method {
     /// The light mesh, six-axis directional.
     Mesh {
-        /// The error that the picture's light may have, root mean square relative to the picture's mean, against the same
-        /// samples lit exactly; above 0. The mesh is then read light by light, with as many shadow rays as that takes.
-        /// `None`: whatever the mesh gives.
+        /// The error that the picture's light may have, root mean square relative to the picture's mean, against the
+        /// same samples lit exactly; above 0. The mesh is then read light by light, with as many shadow rays as that
+        /// takes. `None`: whatever the mesh gives.
         error: Option<f32>,
     },
     /// The light mesh as the paper writes it: one scalar per channel, formulas (1)-(3g).
@@ -25,8 +25,8 @@ pub enum Method {
     Standard,
     /// What the mesh points know of each single light, and shadow rays to those about which they disagree.
     Hybrid,
-    /// The mesh as control variate of light sampling, and the indirect mesh as that of gather rays: converges to the exact
-    /// picture.
+    /// The mesh as control variate of light sampling, and the indirect mesh as that of gather rays: converges to the
+    /// exact picture.
     Unbiased {
         /// Shadow rays at each hit, and gather rays where there is indirect light; 1 to 65536.
         rays: u32,

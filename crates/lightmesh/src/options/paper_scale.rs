@@ -3,14 +3,14 @@
 /// How Ĩ of the paper's method is scaled: (2) × (3) is an energy squared (docs/paper.md).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PaperScale {
-    /// Divide sum (1) by the same sum without V_i, both over the neighbourhood: Ĩ is a mean visibility in [0, 1]. Points
-    /// inside solids are left out, and spheres stand 0.6 spacings off the surface: what is next to a point on a wall is mostly
-    /// wall.
+    /// Divide sum (1) by the same sum without V_i, both over the neighbourhood: Ĩ is a mean visibility in [0, 1].
+    /// Points inside solids are left out, and spheres stand 0.6 spacings off the surface: what is next to a point on a
+    /// wall is mostly wall.
     #[default]
     Visibility,
-    /// Formulas as printed, every point counting, in a sphere about the surface point itself, times one constant for the whole
-    /// scene: one over the mean of Σ E_i / φ1, without V_i, over a regular grid of 8³ places in the scene's box and over the
-    /// channels. Ĩ is then 1 on average where nothing is hidden.
+    /// Formulas as printed, every point counting, in a sphere about the surface point itself, times one constant for
+    /// the whole scene: one over the mean of Σ E_i / φ1, without V_i, over a regular grid of 8³ places in the scene's
+    /// box and over the channels. Ĩ is then 1 on average where nothing is hidden.
     Constant,
 }
 

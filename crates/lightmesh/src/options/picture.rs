@@ -12,12 +12,13 @@ pub struct PictureOptions {
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Samples per pixel, box filter of one pixel, 1 to 65536; 1 samples the pixel's centre. With a time limit, the most.
+    /// Samples per pixel, box filter of one pixel, 1 to 65536; 1 samples the pixel's centre. With a time limit, the
+    /// most.
     pub spp: u32,
-    /// Render time, from the built scene, after which no more samples are taken, above 0; `None`: all are. Every pixel gets
-    /// one sample however long that takes. How many there are in time depends on the machine and what else it does, and so
-    /// does the picture; where the limit is not reached, last bits may differ from the picture without a limit, as sums are
-    /// rounded in another order.
+    /// Render time, from the built scene, after which no more samples are taken, above 0; `None`: all are. Every pixel
+    /// gets one sample however long that takes. How many there are in time depends on the machine and what else it
+    /// does, and so does the picture; where the limit is not reached, last bits may differ from the picture without a
+    /// limit, as sums are rounded in another order.
     pub time_limit: Option<Duration>,
     /// Layers that the picture gets beside its light.
     pub aovs: Aovs,
@@ -53,9 +54,9 @@ impl RenderOptions {
     /// For the film, the finished picture and its 8-bit copy.
     const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
 
-    /// Refuses a picture that the memory limit does not hold: 28 bytes a pixel for the film, the finished picture and its
-    /// 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh and the
-    /// scene are checked where they grow.
+    /// Refuses a picture that the memory limit does not hold: 28 bytes a pixel for the film, the finished picture and
+    /// its 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh
+    /// and the scene are checked where they grow.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
@@ -63,8 +64,8 @@ impl RenderOptions {
         self.check_memory(Self::BYTES_PER_PIXEL)
     }
 
-    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the picture
-    /// that is shown and its 8-bit copy.
+    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the
+    /// picture that is shown and its 8-bit copy.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.

@@ -18,8 +18,8 @@ pub(crate) struct ResolvedMesh {
 }
 
 impl RenderOptions {
-    /// Levels beyond the first of meshes whose density falls with the distance: from near to far 8, 4, 2 and 1 points along an
-    /// edge.
+    /// Levels beyond the first of meshes whose density falls with the distance: from near to far 8, 4, 2 and 1 points
+    /// along an edge.
     const DISTANCE_LEVELS: u32 = 3;
 
     /// Returns the options of the meshes with nothing left open.

@@ -1,4 +1,5 @@
-//! The one table of options: the command line, Python, files and messages take names, ranges, defaults and help from here.
+//! The one table of options: the command line, Python, files and messages take names, ranges, defaults and help from
+//! here.
 
 pub use super::limits::{parse_bytes, spell_bytes};
 pub use super::value::{Kind, Range, Value, Word, closest};
@@ -489,12 +490,12 @@ pub fn named(name: &str) -> Option<&'static Entry<RenderOptions>> {
 }
 
 impl RenderOptions {
-    /// Returns the options with these values, which [`About::read`] has returned, and the defaults for the rest. With a time
-    /// limit and no number of samples, there are as many as there is time for.
+    /// Returns the options with these values, which [`About::read`] has returned, and the defaults for the rest. With a
+    /// time limit and no number of samples, there are as many as there is time for.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for a bound on the error of another method than `mesh`. Other options that the method does not
-    /// have do nothing.
+    /// [`Error::InvalidOption`] for a bound on the error of another method than `mesh`. Other options that the method
+    /// does not have do nothing.
     pub fn chosen<'a>(values: impl Fn(&str) -> Option<&'a Value>) -> Result<Self, Error> {
         let mut options = Self::default();
         // The method first: others are kept in it.

@@ -18,18 +18,19 @@ pub enum Spacing {
 }
 
 impl Spacing {
-    /// Cells along the longest edge by default: of the direct and of the indirect mesh. Measured on the room of 15 lights, all
-    /// of its light at 512 × 512, with 1/40, 1/56 and 1/80 of it in the direct mesh: error 5.0, 4.8 and 4.6%; what it takes
-    /// goes to the indirect mesh for the most part.
+    /// Cells along the longest edge by default: of the direct and of the indirect mesh. Measured on the room of 15
+    /// lights, all of its light at 512 × 512, with 1/40, 1/56 and 1/80 of it in the direct mesh: error 5.0, 4.8 and
+    /// 4.6%; what it takes goes to the indirect mesh for the most part.
     pub(crate) const AUTO: f32 = 64.0;
     pub(crate) const AUTO_INDIRECT: f32 = 30.0;
-    /// Of the indirect mesh where there is a bound on the error: gather hits read its first level, whose light is half a cell
-    /// off the wall. Measured on the staircase at 5%, two refinements: bias +3.0% with 1/30, +2.6% with this.
+    /// Of the indirect mesh where there is a bound on the error: gather hits read its first level, whose light is half
+    /// a cell off the wall. Measured on the staircase at 5%, two refinements: bias +3.0% with 1/30, +2.6% with this.
     pub(crate) const AUTO_INDIRECT_ERROR: f32 = 45.0;
 
     pub(super) const EXPECTED: &'static str = "metres above 0, 1/K of the scene's longest edge, or auto";
 
-    /// Returns the distance in metres in a scene whose longest edge is `longest`; [`Self::Auto`] must have been resolved.
+    /// Returns the distance in metres in a scene whose longest edge is `longest`; [`Self::Auto`] must have been
+    /// resolved.
     pub(crate) fn metres(self, longest: f32) -> f32 {
         match self {
             Self::Auto => longest / Self::AUTO,

@@ -221,8 +221,8 @@ fn either(words: &[Word]) -> String {
     }
 }
 
-/// Returns the word that a user most likely meant: the one with the fewest changes of a letter, if those are at most a third
-/// of its letters.
+/// Returns the word that a user most likely meant: the one with the fewest changes of a letter, if those are at most a
+/// third of its letters.
 pub fn closest<'a>(text: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distances = words.into_iter().map(|word| (changes(text, word), word));
     let (distance, word) = distances.min_by_key(|(distance, _)| *distance)?;

@@ -123,9 +123,9 @@ impl FilmRays {
         self.eye
     }
 
-    /// Returns the cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle
-    /// is `offset` pixels from the ray. It is as wide as the root of its solid angle, cos³θ times that of a square on the
-    /// axis, θ the angle to it.
+    /// Returns the cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose
+    /// middle is `offset` pixels from the ray. It is as wide as the root of its solid angle, cos³θ times that of a
+    /// square on the axis, θ the angle to it.
     pub(crate) fn cone(&self, ray: &Ray, width: f32, offset: Vec2) -> Cone {
         let pixel = self.pixel;
         let cos = ray.direction.dot(self.forward).max(0.0);

@@ -6,7 +6,8 @@ use crate::options::schema::{About, Entry, Group, Kind, Range, Value};
 /// How emitters become light samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmitterOptions {
-    /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1 to 65536.
+    /// Samples per area light (all triangles of an emissive mesh together), per spherical light and per environment; 1
+    /// to 65536.
     pub light_samples: u32,
     /// Punctual lights become spheres of this radius (metres) and equal power; 0 leaves them points.
     pub light_radius: f32,

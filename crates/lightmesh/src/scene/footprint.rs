@@ -94,8 +94,8 @@ fn level_of(width2: f32) -> (usize, f32) {
 }
 
 impl Texture {
-    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. Where it is
-    /// not, and always for [`Filter::Nearest`], whose texels are meant to be seen, the result is that of
+    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. Where it
+    /// is not, and always for [`Filter::Nearest`], whose texels are meant to be seen, the result is that of
     /// [`Texture::sample`], bit for bit.
     pub(crate) fn sample_over<'a>(
         &self,
