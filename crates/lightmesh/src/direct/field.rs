@@ -28,7 +28,7 @@ impl DirectField {
         options: &RenderOptions,
     ) -> Result<Self, Error> {
         let lights = RegionCuts::new(scene, options)?;
-        let encoding = DirectEncoding::new(scene, &lights, options);
+        let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
         let points = Points::new(lattices, interpolator);
         Ok(Self { points, encoding, lights, max_memory: options.limits.max_memory })
     }

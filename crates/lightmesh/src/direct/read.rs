@@ -4,12 +4,11 @@ use glam::Vec3;
 
 use super::encoding::{ArrivingLight, DirectEncoding};
 use super::field::DirectField;
-use super::read_lights::LightsReading;
 use super::region_visibility::RegionVisibility;
 use super::visibility_estimate::VisibilityEstimate;
 use crate::interaction::ShadingPoint;
 use crate::light::LightSamples;
-use crate::mesh::{CachedReader, CornerVisibility, Interpolator, Marks, ReadResult, usable_fraction};
+use crate::mesh::{CachedReader, CornerVisibility, Interpolator, Marks, ReadResult};
 use crate::{MissingCorners, Scene};
 
 /// The result of reading the direct mesh at a vertex.
@@ -90,16 +89,6 @@ impl DirectReader<'_> {
             ReadResult::Pending => Reading::Pending,
         };
         with_missing(rule, share, reading)
-    }
-
-    /// Returns the part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been
-    /// evaluated. 0 where [`DirectReader::read`] finds nothing.
-    pub(crate) fn usable_fraction(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
-        let reads = match self.field.encoding {
-            DirectEncoding::PerLight(_) => self.read_lights(vertex, marks) == LightsReading::Known,
-            _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
-        };
-        if reads { usable_fraction(&mut self.cached.reader, &self.field.points, vertex, marks) } else { 0.0 }
     }
 
     /// Returns how many rays have been traced so far to find out which points vertices see.

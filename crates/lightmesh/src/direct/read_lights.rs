@@ -2,11 +2,11 @@
 //! surface.
 
 use super::encoding::{DirectEncoding, LightStates, PerLight};
-use super::read::DirectReader;
+use super::read::{DirectReader, Reading};
 use super::region_visibility::LightCutVisibility;
 use super::visibility_estimate::CellCorners;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{Marks, ReadResult, corners_of};
+use crate::mesh::{Marks, ReadResult, corners_of, usable_fraction};
 
 /// The result of reading single lights at a vertex; [`DirectReader::lights`] has the lights themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,16 @@ pub(crate) enum LightsReading {
 }
 
 impl DirectReader<'_> {
+    /// Returns the part, by weight, of the points of D_y that the vertex can use, in [0, 1]; all of them have been
+    /// evaluated. 0 where [`DirectReader::read`] finds nothing.
+    pub(crate) fn usable_fraction(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
+        let reads = match self.field.encoding {
+            DirectEncoding::PerLight(_) => self.read_lights(vertex, marks) == LightsReading::Known,
+            _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
+        };
+        if reads { usable_fraction(&mut self.cached.reader, &self.field.points, vertex, marks) } else { 0.0 }
+    }
+
     /// Estimates the visibility of each light from the points of D_y; points that are still empty are marked. The field
     /// must have been made for a method that keeps lights one by one.
     #[inline(always)]

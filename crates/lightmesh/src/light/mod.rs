@@ -4,6 +4,7 @@ mod contributions;
 pub(crate) mod emitters;
 mod falloff;
 mod light_cut;
+mod pack;
 mod punctual;
 pub(crate) mod sample;
 mod samples;

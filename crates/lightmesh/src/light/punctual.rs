@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::samples::MIN_R2;
+use super::sample::MIN_R2;
 use crate::Falloff;
 use crate::scene::Light;
 

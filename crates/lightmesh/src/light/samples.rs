@@ -23,8 +23,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16};
 use glam::Vec3;
 
-use super::emitters::LightSample;
-use super::sample::SampledLight;
+use super::sample::{LightSample, MIN_R2, SampledLight};
 use crate::Falloff;
 use crate::geometry::Ray;
 
@@ -34,9 +33,6 @@ pub(crate) const LANES: usize = 16;
 /// A shadow ray stops this part of its length short of its light, so that an emitter's own surface on which the sample
 /// lies does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
-
-/// r² is not taken below this (1 µm): a light that touches a point stays finite.
-pub(super) const MIN_R2: f32 = 1e-12;
 
 /// Positions (or directions) and intensities of sixteen lights.
 #[derive(Clone, Debug)]

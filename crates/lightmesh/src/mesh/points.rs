@@ -9,12 +9,10 @@ use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
 use super::lattice::{self, Coordinate, Lattice};
 use super::marks::{MarkedPoints, Marks};
-use super::read_result::CornerVisibility;
-use super::reader::Reader;
 use super::refinement::RefinementLevel;
 use super::stencil::{Interpolator, trilinear};
 use crate::interaction::ShadingPoint;
-use crate::{Error, MeshStats, Scene};
+use crate::{Error, MeshStats};
 
 /// Where a mesh point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,20 +129,6 @@ impl Points {
     /// Returns empty marks for its lattices.
     pub(crate) fn marks(&self) -> Marks {
         Marks::new(self.levels.iter().map(|level| level.lattice.brick_count()))
-    }
-
-    /// Returns a reader for one thread.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
-        Reader::new(scene, self, visibility)
-    }
-
-    /// Marks the points that vertices read and that are empty, also those that are hidden from the vertices.
-    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, visibility: CornerVisibility) {
-        let mut reader =
-            self.reader(scene, CornerVisibility::Deferred { finer: visibility != CornerVisibility::Stochastic });
-        vertices.iter().for_each(|vertex| {
-            reader.read(vertex, marks, |_, _| {});
-        });
     }
 
     /// Returns where a vertex reads: the finest level that gives it half of its light or more, and the cell there.

@@ -48,6 +48,22 @@ pub(crate) struct Reader<'a> {
 /// between a box and a wall (a test's furnace); a ray to each, always, is the same there and takes more rays.
 const MINORITY: f32 = 0.5;
 
+impl Points {
+    /// Returns a reader for one thread.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
+        Reader::new(scene, self, visibility)
+    }
+
+    /// Marks the points that vertices read and that are empty, also those that are hidden from the vertices.
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, visibility: CornerVisibility) {
+        let mut reader =
+            self.reader(scene, CornerVisibility::Deferred { finer: visibility != CornerVisibility::Stochastic });
+        vertices.iter().for_each(|vertex| {
+            reader.read(vertex, marks, |_, _| {});
+        });
+    }
+}
+
 impl<'a> Reader<'a> {
     /// Reads the coarsest level, and finer ones where they take over.
     pub(crate) fn new(scene: &'a Scene, points: &'a Points, visibility: CornerVisibility) -> Self {

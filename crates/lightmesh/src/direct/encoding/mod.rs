@@ -17,7 +17,6 @@ use scalar::Scalar;
 use six_axis::SixAxis;
 
 use super::point_lights::PointLights;
-use super::region_cuts::RegionCuts;
 use crate::options::PointKind;
 use crate::{Error, Falloff, MeshKey, RenderOptions, Scene};
 
@@ -98,11 +97,12 @@ impl ArrivingLight {
 }
 
 impl DirectEncoding {
-    /// Returns the encoding that a method reads, without points.
-    pub(super) fn new(scene: &Scene, lights: &RegionCuts, options: &RenderOptions) -> Self {
+    /// Returns the encoding that a method reads, without points. Where lights are clusters, `cluster_leaves` is the number
+    /// of leaves of their tree.
+    pub(super) fn new(scene: &Scene, cluster_leaves: Option<u32>, options: &RenderOptions) -> Self {
         let falloff = options.transport.falloff;
         match MeshKey::of(options).kind {
-            PointKind::ByLight => Self::PerLight(PerLight::new(scene, lights, falloff)),
+            PointKind::ByLight => Self::PerLight(PerLight::new(scene, cluster_leaves, falloff)),
             PointKind::Scalar { field_falloff, scale } => Self::Scalar(Scalar::new(scene, field_falloff, scale)),
             PointKind::SixAxis => Self::SixAxis(SixAxis::new(falloff)),
         }

@@ -11,7 +11,6 @@ use glam::Vec3;
 pub(crate) use runs::{LightRuns, MOST_LEAVES};
 
 use super::super::point_lights::PointLights;
-use super::super::region_cuts::RegionCuts;
 use super::DirectValues;
 use super::plain_arrays::refuse;
 use crate::{Error, Falloff, Scene};
@@ -66,10 +65,10 @@ pub(crate) enum PointStates {
 
 impl PerLight {
     /// No points; bits or runs by the lights that there are.
-    pub(super) fn new(scene: &Scene, lights: &RegionCuts, falloff: Falloff) -> Self {
-        let states = match lights.has_clusters() {
-            true => LightStates::Runs(LightRuns::new(lights.leaf_count())),
-            false => LightStates::Bits(LightBits::of_scene(scene.lights())),
+    pub(super) fn new(scene: &Scene, cluster_leaves: Option<u32>, falloff: Falloff) -> Self {
+        let states = match cluster_leaves {
+            Some(leaves) => LightStates::Runs(LightRuns::new(leaves)),
+            None => LightStates::Bits(LightBits::of_scene(scene.lights())),
         };
         Self { falloff, states }
     }

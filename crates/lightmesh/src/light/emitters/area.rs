@@ -6,8 +6,9 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
+use super::super::sample::{LightSample, Patch};
 use super::primitive::{EmissivePrimitive, emission_of};
-use super::{LightSample, Patch, luminance, radical_inverse};
+use super::{luminance, radical_inverse};
 use crate::bvh::Target;
 use crate::scene::{Material, SceneData};
 

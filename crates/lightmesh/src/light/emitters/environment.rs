@@ -4,8 +4,9 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{Quat, Vec2, Vec3};
 
+use super::super::sample::LightSample;
 use super::primitive::sample_sphere;
-use super::{LightSample, luminance, radical_inverse};
+use super::{luminance, radical_inverse};
 use crate::sampling::Table;
 use crate::scene::{ColorEncoding, Environment, Filter, ImageData, Light, Texture, Wrap};
 

@@ -21,6 +21,7 @@ use area::EmitterClass;
 pub(crate) use environment::EnvironmentLight;
 use glam::Vec3;
 
+use super::sample::LightSample;
 use super::samples::LightSamples;
 use crate::Error;
 use crate::geometry::Aabb;
@@ -29,30 +30,6 @@ use crate::scene::{EmitterOptions, Light, SceneData};
 
 /// Most samples of all emitters together: 64 MiB of them.
 const MAX_SAMPLES: u64 = 1 << 20;
-
-/// One point-like or directional sample of an emitter.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LightSample {
-    /// A point, spot or direction.
-    Punctual(Light),
-    /// A small patch of an emissive surface.
-    Patch(Patch),
-}
-
-/// A small flat emitter with Lambertian emission.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Patch {
-    /// Metres.
-    pub position: Vec3,
-    /// Unit; the side that shines.
-    pub normal: Vec3,
-    /// Along the normal, candela: radiance times area.
-    pub intensity_cd: Vec3,
-    /// Square metres.
-    pub area: f32,
-    /// Whether the other side shines as well.
-    pub two_sided: bool,
-}
 
 /// The emitters of a scene.
 #[derive(Debug)]

@@ -10,7 +10,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
 
-use super::{LightSample, radical_inverse};
+use super::super::sample::LightSample;
+use super::radical_inverse;
 use crate::sampling::unit_f32;
 use crate::scene::Light;
 

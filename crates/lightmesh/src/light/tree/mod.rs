@@ -17,6 +17,7 @@
 pub(crate) mod bound;
 mod build;
 pub(crate) mod cut;
+mod leaf;
 mod moments;
 #[cfg(test)]
 mod tests;

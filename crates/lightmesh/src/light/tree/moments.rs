@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::super::sample::{LightEmission, RangeWindow, SampledLight, SpotCone};
-use super::build::Leaf;
+use super::leaf::Leaf;
 use super::{ConeStatistics, Extremes, HalfAngle, Kind, Node, Orientation};
 
 /// Sums over leaves, in order, in double precision.

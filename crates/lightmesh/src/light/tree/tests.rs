@@ -2,7 +2,7 @@ use fearless_simd::Level;
 use glam::Vec3;
 use proptest::prelude::*;
 
-use super::super::emitters::{LightSample, Patch};
+use super::super::sample::{LightSample, Patch};
 use super::super::samples::Directions;
 use super::bound::{Bound, Receivers};
 use super::cut::{Refinement, Tolerance};
