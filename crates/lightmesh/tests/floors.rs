@@ -4,37 +4,131 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files and folders of `src`, from the ground up: each may import only those before it.
-const FLOORS: [&str; 22] = [
-    "error",
-    "image",
-    "viewer",
-    "progress",
-    "sampling",
-    "geometry",
-    "options",
-    "scene",
-    "bvh",
-    "light",
-    "world",
-    "interaction",
-    "mesh",
-    "direct",
-    "indirect",
-    "light_mesh",
-    "film",
-    "integrator",
-    "api",
-    "distributed",
-    "fingerprint",
-    "metrics",
+/// The files and folders of each crate's `src`, from the ground up: each may import only those before it.
+const FLOORS: [(&str, &[&str]); 5] = [
+    (
+        "lightmesh",
+        &[
+            "error",
+            "image",
+            "viewer",
+            "progress",
+            "sampling",
+            "geometry",
+            "options",
+            "scene",
+            "bvh",
+            "light",
+            "world",
+            "interaction",
+            "mesh",
+            "direct",
+            "indirect",
+            "light_mesh",
+            "film",
+            "integrator",
+            "api",
+            "distributed",
+            "fingerprint",
+            "metrics",
+        ],
+    ),
+    (
+        "lightmesh-io",
+        &[
+            "error",
+            "budget",
+            "warnings",
+            "beside",
+            "srgb",
+            "polygon",
+            "texture_image",
+            "picture_file",
+            "load_options",
+            "exr_file",
+            "radiance_file",
+            "environment_map",
+            "output",
+            "picture",
+            "gltf",
+            "obj",
+            "ply",
+            "scene_file",
+            "scene_bytes",
+            "mesh_file",
+        ],
+    ),
+    (
+        "lightmesh-reproduce",
+        &["error", "watcher", "report", "scenes", "lab", "penumbra", "picture", "plot", "experiments", "files", "page"],
+    ),
+    (
+        "lightmesh-cli",
+        &[
+            "args",
+            "terminal",
+            "exit",
+            "interrupt",
+            "camera_choice",
+            "environment",
+            "settings",
+            "stats",
+            "progress",
+            "outputs",
+            "preview",
+            "render",
+            "info",
+            "compare",
+            "reproduce",
+            "completions",
+            "man",
+        ],
+    ),
+    (
+        "lightmesh-py",
+        &[
+            "error",
+            "json",
+            "arrays",
+            "view",
+            "listener",
+            "work",
+            "shared_mesh",
+            "bricks",
+            "keywords",
+            "built",
+            "camera",
+            "light",
+            "material",
+            "scene",
+            "image",
+            "meters",
+            "mesh_files",
+            "light_mesh",
+            "render",
+            "methods",
+            "job",
+            "gathering",
+            "portions",
+            "picture_job",
+            "metrics",
+            "program",
+        ],
+    ),
 ];
 
 /// More files than this make a folder hard to read: it wants to be split.
 const MOST_FILES: usize = 16;
 
+/// The sources of the library.
 fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+    source_of("lightmesh")
+}
+
+/// The sources of a crate beside the library.
+fn source_of(package: &str) -> PathBuf {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if package == "lightmesh" { own.join("src") } else { own.join("..").join(package).join("src") }
 }
 
 /// Every Rust file below a folder.
@@ -91,8 +185,8 @@ fn imports(text: &str) -> Vec<String> {
 }
 
 /// The folder that each name comes from which `lib.rs` re-exports.
-fn homes_of_root_names() -> BTreeMap<String, String> {
-    let library = fs::read_to_string(source().join("lib.rs")).expect("lib.rs");
+fn homes_of_root_names(source: &Path) -> BTreeMap<String, String> {
+    let library = fs::read_to_string(source.join("lib.rs")).expect("lib.rs");
     let mut homes = BTreeMap::new();
     for statement in library.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next()) {
         let (home, names) = statement.split_once("::").expect("a path");
@@ -104,16 +198,29 @@ fn homes_of_root_names() -> BTreeMap<String, String> {
     homes
 }
 
-/// No file imports from a higher floor than its own, and every floor is in the list.
+/// No file imports from a higher floor than its own, and every floor is in the list. Crates that are not beside the
+/// library, as in a package of its own, are passed over.
 #[test]
 fn folders_are_stacked() {
-    let homes = homes_of_root_names();
-    let floor_of = |name: &str| FLOORS.iter().position(|floor| *floor == name);
     let mut wrong = Vec::new();
-    for path in files_below(&source()) {
-        let inside = path.strip_prefix(source()).expect("a source").to_string_lossy().replace('\\', "/");
+    for (package, floors) in FLOORS {
+        let source = source_of(package);
+        if source.is_dir() {
+            wrong.extend(arrows_up(&source, floors).into_iter().map(|arrow| format!("{package}: {arrow}")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What is wrong with the imports of the files below a folder; `lib.rs` and `main.rs` may know everybody.
+fn arrows_up(source: &Path, floors: &[&str]) -> Vec<String> {
+    let homes = homes_of_root_names(source);
+    let floor_of = |name: &str| floors.iter().position(|floor| *floor == name);
+    let mut wrong = Vec::new();
+    for path in files_below(source) {
+        let inside = path.strip_prefix(source).expect("a source").to_string_lossy().replace('\\', "/");
         let own = inside.split('/').next().unwrap_or_default().trim_end_matches(".rs");
-        if own == "lib" {
+        if ["lib", "main"].contains(&own) {
             continue;
         }
         let Some(floor) = floor_of(own) else {
@@ -121,6 +228,10 @@ fn folders_are_stacked() {
             continue;
         };
         for name in imports(&fs::read_to_string(&path).expect("a source")) {
+            // Constants of `lib.rs` itself stand on no floor.
+            if name.chars().all(|c| c.is_ascii_uppercase() || c == '_') {
+                continue;
+            }
             let home = homes.get(&name).unwrap_or(&name);
             match floor_of(home) {
                 Some(other) if other <= floor => {}
@@ -129,7 +240,7 @@ fn folders_are_stacked() {
             }
         }
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    wrong
 }
 
 /// No folder has so many files that a reader is lost in it.
@@ -149,7 +260,7 @@ fn imports_are_found() {
     let text =
         "use crate::{Error, bvh::{Hit, Target},\n    film::Film};\n// crate::comment\nlet x = crate::mesh::choose(a);";
     assert_eq!(imports(text), ["Error", "bvh", "film", "mesh"]);
-    assert_eq!(homes_of_root_names()["RenderOptions"], "options");
+    assert_eq!(homes_of_root_names(&source())["RenderOptions"], "options");
 }
 
 /// The modules of a folder that a file names, through its path or through as many `super::` as lead to it from the
