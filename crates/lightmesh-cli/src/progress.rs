@@ -61,10 +61,10 @@ impl Bar {
                 self.bar.set_style(style.progress_chars("=> "));
                 self.bar.set_message("");
                 self.bar.set_prefix(match stage {
-                    Stage::Sketch => "sketching",
+                    Stage::CoarsePreview => "sketching",
                     Stage::Render => "rendering",
                     Stage::Check => "comparing with exact light",
-                    Stage::Outlines => "outlines of lamps",
+                    Stage::EmitterEdges => "outlines of lamps",
                     _ => "working",
                 });
                 now

@@ -1,6 +1,6 @@
 //! Points by brick as arrays, and other plain numbers that processes hand each other.
 
-use lightmesh::filling::{BrickMask, PointRequests};
+use lightmesh::distributed::{BrickMask, PointRequests};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::filling::{BounceValues, GatherBatch};
+use lightmesh::distributed::{BounceValues, GatherBatch};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -96,7 +96,7 @@ impl PyGathering {
     /// Returns the finished points for other processes, after the last reflection: uint8, (n,), for PictureJob.absorb.
     fn contents<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u8>>> {
         let bytes = self.run(py, None, |job, gathering, _| {
-            let contents = job.with_mesh(|mesh| gathering.contents(mesh))?;
+            let contents = job.with_mesh(|mesh| gathering.snapshot(mesh))?;
             Ok(job.to_bytes(contents))
         })?;
         Ok(bytes.into_pyarray(py))

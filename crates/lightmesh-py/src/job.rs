@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::portions::{self, Prepared};
+use lightmesh::distributed::{self, Prepared};
 use lightmesh::{Camera, Fingerprint, LightMesh, RenderOptions, Snapshot};
 use lightmesh_cli::{EmitterArgs, SOFTWARE, settings_json};
 use lightmesh_io::{MeshFile, Units};
@@ -70,7 +70,7 @@ impl Job {
             let mut prepared = locked(&self.prepared);
             let ready = match prepared.take().filter(|prepared| prepared.holds(mesh)) {
                 Some(ready) => ready,
-                None => portions::prepare(&self.built.scene, &self.camera, &self.options, mesh, watch)?,
+                None => distributed::prepare(&self.built.scene, &self.camera, &self.options, mesh, watch)?,
             };
             work(mesh, prepared.insert(ready))
         })

@@ -2,8 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::filling::{self, PointRequests};
-use lightmesh::portions::{self, Portion};
+use lightmesh::distributed::{self, GatherBatch, PartialImage, PointRequests, WaveRequest};
 use lightmesh::{Fingerprint, LightMesh};
 use lightmesh_cli::{SOFTWARE, Stats};
 use numpy::{IntoPyArray, PyArray1};
@@ -86,7 +85,7 @@ impl PyPictureJob {
     /// The number of waves of the picture.
     #[getter]
     fn wave_count(&self, py: Python<'_>) -> PyResult<u64> {
-        portions::wave_count(&self.job.options).map_err(|error| error.raise(py))
+        distributed::wave_count(&self.job.options).map_err(|error| error.raise(py))
     }
 
     /// The most levels that the meshes may have. Which points of a finer level are needed may only be known when those
@@ -152,8 +151,9 @@ impl PyPictureJob {
         let outlines = outlines.map(outlines_of).transpose()?;
         let wanted = self.run(py, progress, move |job, watch| {
             job.with_prepared(watch, |mesh, prepared| {
-                let part = (prepared, samples(outlines.as_ref()), first..last);
-                filling::demand(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
+                let samples = samples(outlines.as_ref());
+                let request = WaveRequest { prepared, samples, waves: first..last };
+                distributed::requested_points(&job.built.scene, &job.camera, &job.options, mesh, request, watch)
             })
         })?;
         Ok((bricks::to_array(py, &wanted.direct)?, bricks::to_array(py, &wanted.indirect)?))
@@ -169,7 +169,7 @@ impl PyPictureJob {
         let direct = bricks::from_array(bricks, "bricks")?;
         let bytes = self.run(bricks.py(), progress, move |job, watch| {
             let contents = job.with_mesh(|mesh| {
-                filling::fill_direct(&job.built.scene, &job.options, mesh, &direct, watch)?;
+                distributed::fill_direct(&job.built.scene, &job.options, mesh, &direct, watch)?;
                 mesh.snapshot_of(&PointRequests { direct, indirect: Vec::new() })
             })?;
             Ok(job.to_bytes(contents))
@@ -193,7 +193,7 @@ impl PyPictureJob {
     fn gather(&self, bricks: &Bound<'_, PyAny>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyGathering> {
         let points = bricks::from_array(bricks, "bricks")?;
         let gathering = self.run(bricks.py(), progress, move |job, watch| {
-            job.with_mesh(|mesh| filling::GatherBatch::new(&job.built.scene, &job.options, mesh, &points, watch))
+            job.with_mesh(|mesh| GatherBatch::new(&job.built.scene, &job.options, mesh, &points, watch))
         })?;
         Ok(PyGathering::new(Arc::clone(&self.job), self.threads, gathering))
     }
@@ -212,8 +212,9 @@ impl PyPictureJob {
         let outlines = outlines.map(outlines_of).transpose()?;
         let portion = self.run(py, progress, move |job, watch| {
             job.with_prepared(watch, |mesh, prepared| {
-                let part = (prepared, samples(outlines.as_ref()), first..last);
-                portions::render(&job.built.scene, &job.camera, &job.options, mesh, part, watch)
+                let samples = samples(outlines.as_ref());
+                let request = WaveRequest { prepared, samples, waves: first..last };
+                distributed::render_waves(&job.built.scene, &job.camera, &job.options, mesh, request, watch)
             })
         })?;
         to_dict(py, portion)
@@ -226,11 +227,11 @@ impl PyPictureJob {
         py: Python<'py>,
         portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<Option<(Bound<'py, PyArray1<u8>>, u64)>> {
-        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
+        let taken: Vec<PartialImage> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = self.run(py, None, move |job, _| {
-            Ok(portions::outlines(&job.built.scene, &job.camera, &job.options, &taken)?)
+            Ok(distributed::find_emitter_edges(&job.built.scene, &job.camera, &job.options, &taken)?)
         })?;
-        Ok(outlines.map(|outlines| (outlines.seen.into_pyarray(py), outlines.waves)))
+        Ok(outlines.map(|outlines| (outlines.emitter_seen.into_pyarray(py), outlines.waves)))
     }
 
     /// Assembles the picture from all waves and those of the outlines.
@@ -242,13 +243,13 @@ impl PyPictureJob {
         outlines: Option<&Bound<'py, PyTuple>>,
         outline_portions: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<PyImage> {
-        let taken: Vec<Portion> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
-        let anew: Vec<Portion> = outline_portions.iter().map(from_dict).collect::<PyResult<_>>()?;
+        let taken: Vec<PartialImage> = portions.iter().map(from_dict).collect::<PyResult<_>>()?;
+        let anew: Vec<PartialImage> = outline_portions.iter().map(from_dict).collect::<PyResult<_>>()?;
         let outlines = outlines.map(outlines_of).transpose()?;
         let job = &self.job;
         let frame = self.run(py, None, move |job, _| {
             let anew = outlines.as_ref().map(|outlines| (outlines, anew.as_slice()));
-            Ok(portions::assemble(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
+            Ok(distributed::merge_images(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
         })?;
         let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
         let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);

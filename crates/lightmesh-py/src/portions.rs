@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use lightmesh::RenderStats;
-use lightmesh::portions::{Outlines, PictureSamples, Portion};
+use lightmesh::distributed::{EmitterEdges, PartialImage, PictureSamples};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -11,19 +11,19 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::{arrays, error, json};
 
 /// Converts a part of a picture into a dict.
-pub(crate) fn to_dict(py: Python<'_>, portion: Portion) -> PyResult<Bound<'_, PyDict>> {
-    let Portion { waves, values, seen, stats } = portion;
+pub(crate) fn to_dict(py: Python<'_>, part: PartialImage) -> PyResult<Bound<'_, PyDict>> {
+    let PartialImage { waves, values, emitter_seen, stats } = part;
     let dict = PyDict::new(py);
     dict.set_item("first", waves.start)?;
     dict.set_item("last", waves.end)?;
     dict.set_item("values", values.into_pyarray(py))?;
-    dict.set_item("seen", seen.into_pyarray(py))?;
+    dict.set_item("seen", emitter_seen.into_pyarray(py))?;
     dict.set_item("stats", json::written(serde_json::to_string(&stats))?)?;
     Ok(dict)
 }
 
 /// Converts the dict that [`to_dict`] made back.
-pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<Portion> {
+pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<PartialImage> {
     let item = |name: &str| {
         let missing = || error::option(dict.py(), format!("portions: one has no {name:?}"));
         dict.get_item(name)?.ok_or_else(missing)
@@ -33,16 +33,16 @@ pub(crate) fn from_dict(dict: &Bound<'_, PyDict>) -> PyResult<Portion> {
     let stats: RenderStats =
         serde_json::from_str(&text).map_err(|error| error::option(dict.py(), format!("portions: stats: {error}")))?;
     let values = arrays::floats(&item("values")?, "values")?.values;
-    Ok(Portion { waves, values, seen: arrays::bytes(&item("seen")?, "seen")?, stats })
+    Ok(PartialImage { waves, values, emitter_seen: arrays::bytes(&item("seen")?, "seen")?, stats })
 }
 
 /// Converts the tuple that PictureJob.outlines returned.
-pub(crate) fn outlines_of(value: &Bound<'_, PyTuple>) -> PyResult<Outlines> {
+pub(crate) fn outlines_of(value: &Bound<'_, PyTuple>) -> PyResult<EmitterEdges> {
     let (seen, waves): (Bound<'_, PyAny>, u64) = value.extract()?;
-    Ok(Outlines { seen: arrays::bytes(&seen, "outlines")?, waves })
+    Ok(EmitterEdges { emitter_seen: arrays::bytes(&seen, "outlines")?, waves })
 }
 
 /// Selects the samples of the outlines, or all samples where there are none.
-pub(crate) fn samples(outlines: Option<&Outlines>) -> PictureSamples<'_> {
-    outlines.map_or(PictureSamples::All, PictureSamples::Outlines)
+pub(crate) fn samples(outlines: Option<&EmitterEdges>) -> PictureSamples<'_> {
+    outlines.map_or(PictureSamples::All, PictureSamples::EmitterEdges)
 }

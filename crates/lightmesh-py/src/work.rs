@@ -82,10 +82,10 @@ impl Watch {
 /// Returns the name of a stage for callbacks.
 fn stage_name(stage: Stage) -> &'static str {
     match stage {
-        Stage::Sketch => "sketch",
+        Stage::CoarsePreview => "sketch",
         Stage::Check => "check",
         Stage::Render => "render",
-        Stage::Outlines => "outlines",
+        Stage::EmitterEdges => "outlines",
         Stage::Demand => "demand",
         Stage::Measure => "measure",
         Stage::Fill => "fill",

@@ -1,10 +1,10 @@
-//! What can go wrong in the core library.
+//! The errors of the core library.
 
-/// An error of the core library. Reading and writing files has its own in `lightmesh-io`.
+/// An error of the core library. `lightmesh-io` has its own for files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The scene description contradicts itself or holds values that no scene can have.
+    /// The scene description is inconsistent, or has values outside their range.
     #[error("{place}: {what}")]
     InvalidScene {
         /// Which object, by kind, index and name.
@@ -59,15 +59,15 @@ pub enum Error {
         /// What is wrong and what to check.
         what: String,
     },
-    /// A meter that is nowhere or faces nowhere.
+    /// A meter whose position or normal is no valid vector.
     #[error("meter {index}: {what}")]
     InvalidMeter {
-        /// Its place in the list, from 0.
+        /// Its index in the list, from 0.
         index: usize,
         /// What is wrong and what to check.
         what: String,
     },
-    /// Contents of a mesh that another mesh cannot take; it has not changed.
+    /// A snapshot that a mesh cannot merge; the mesh has not changed.
     #[error("mesh contents: {place}: {what}")]
     InvalidContents {
         /// Which field, array and point.

@@ -1,4 +1,4 @@
-//! The finished picture and what its making took.
+//! The finished picture, and statistics of its rendering.
 
 use glam::Vec3;
 
@@ -13,13 +13,13 @@ pub struct Image {
     pub pixels: Vec<Vec3>,
 }
 
-/// Wall-clock seconds of a frame's steps.
+/// Wall-clock seconds of the steps of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Seconds {
-    /// Camera rays and what they hit.
+    /// Tracing camera rays.
     pub primary: f64,
-    /// Finding out which mesh points are read.
+    /// Finding the mesh points that the picture reads.
     pub demand: f64,
     /// Evaluating direct mesh points.
     pub fill_direct: f64,
@@ -41,7 +41,7 @@ pub struct RayCounts {
     pub shadow: u64,
     /// From indirect mesh points, or a path's diffuse bounces.
     pub gather: u64,
-    /// Mirrored, refracted and passed through, and those that find out what mesh points and surfaces see of each other.
+    /// Reflected, refracted and transmitted rays, and rays between mesh points and the surfaces that read them.
     pub secondary: u64,
 }
 
@@ -55,27 +55,27 @@ impl std::ops::AddAssign for RayCounts {
 }
 
 impl RayCounts {
-    /// All of them.
+    /// The sum of all purposes.
     pub fn total(&self) -> u64 {
         self.primary + self.shadow + self.gather + self.secondary
     }
 }
 
-/// The state of one mesh.
+/// Statistics of the direct or the indirect mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshStats {
-    /// Distance between neighbours, metres.
+    /// Distance between neighbouring points, metres.
     pub spacing_m: f64,
-    /// Points that have been evaluated.
+    /// How many points have been evaluated, so far and on all levels.
     pub points_used: u64,
-    /// Those of them that are on finer levels than the first.
+    /// How many of these are on finer levels than the first.
     pub points_refined: u64,
-    /// Points that a mesh filled over the whole scene's box would have.
+    /// How many points of the first level the scene's whole box would have.
     pub points_total: u64,
-    /// Evaluated points that were found invalid (inside a solid).
+    /// How many evaluated points are invalid, inside a closed object.
     pub points_invalid: u64,
-    /// Memory, bytes.
+    /// Memory held, bytes.
     pub bytes: u64,
 }
 
@@ -90,37 +90,39 @@ impl std::ops::AddAssign for Seconds {
     }
 }
 
-/// What a frame took.
+/// Statistics of one frame: time, rays, and the state of the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RenderStats {
-    /// Samples that every pixel has; fewer than [`PictureOptions::spp`](crate::PictureOptions::spp) where the time limit was
-    /// reached: some pixels may have an eighth more then, or one more. Outlines of lamps have more (64).
+    /// Samples that every pixel has; fewer than [`RenderOptions::spp`](crate::options::RenderOptions::spp) if the time
+    /// limit was reached: some pixels may then have an eighth more, or one more. Pixels on emitter edges have more
+    /// (64).
     pub spp: u32,
-    /// Whether the time limit ended the work before all samples were taken.
+    /// Whether the time limit ended the rendering before all samples were taken.
     pub time_limit_reached: bool,
-    /// By step.
+    /// Time by step.
     pub seconds: Seconds,
-    /// By purpose.
+    /// Rays by purpose.
     pub rays: RayCounts,
     /// The direct mesh after the frame.
     pub direct: MeshStats,
     /// The indirect mesh after the frame.
     pub indirect: MeshStats,
-    /// Surface points at which no point of the direct mesh was usable: shadow rays were shot.
+    /// Surface points at which no point of the direct mesh was usable, so that shadow rays were traced.
     pub exact_fallbacks: u64,
-    /// Surface points at which no point of the indirect mesh was usable: gather rays were shot.
+    /// Surface points at which no point of the indirect mesh was usable, so that gather rays were traced.
     pub gather_fallbacks: u64,
-    /// Shadow rays of mesh points, of all shadow rays.
+    /// How many of the shadow rays were traced from mesh points.
     pub fill_shadow_rays: u64,
-    /// The error that the picture is estimated to have, RMS relative to its mean, where one was asked for; 0: its light is exact.
+    /// The estimated error of the picture, RMS relative to its mean, if
+    /// [`RenderOptions::error`](crate::options::RenderOptions::error) is set; 0: its light is exact.
     pub estimated_error: Option<f64>,
-    /// What bounces after the last one would add, estimated, as a part of all light; `None` where nothing is known of it.
+    /// The estimated light of bounces after the last one, as a part of all light; `None` without an estimate.
     pub truncated_light: Option<f64>,
 }
 
 impl RenderStats {
-    /// Adds what a part of the same frame took: seconds, rays and counts.
+    /// Adds the statistics of a part of the same frame: seconds, rays and counts.
     pub(crate) fn add(&mut self, part: &Self) {
         self.seconds += part.seconds;
         self.rays += part.rays;

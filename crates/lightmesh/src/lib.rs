@@ -1,19 +1,34 @@
-//! Light meshes: illumination computed lazily at points of a mesh in space and interpolated to surfaces, so that shadow
-//! rays are paid per mesh point and not per pixel.
+//! A renderer for scenes with many lights. It caches visibility and indirect light at the points of a sparse 3D grid,
+//! the *light mesh*, and interpolates them to surfaces, so that shadow rays are traced for each mesh point and not for
+//! each pixel. Points are evaluated when a surface first needs them, and stay valid when the camera moves.
 //!
 //! After V. A. Debelov and I. M. Sevastyanov, "Original approach to simulation of soft shadows and diffuse color
-//! bleeding in ray tracing", GraphiCon 2001; *the paper* in all that follows.
+//! bleeding in ray tracing", GraphiCon 2001, which all documentation calls *the paper*.
 //!
-//! A [`SceneData`] says what there is, a [`Scene`] is checked and ready for rays, a [`LightMesh`] keeps the light from frame
-//! to frame, and [`render`] makes a picture. [`measure`] reads irradiance at given places instead. [`Snapshot`] are what a mesh knows
-//! as plain arrays. Reading and writing files is the business of `lightmesh-io`. Metres, candela, lux and cd/m² throughout.
+//! # Front doors
+//!
+//! - [`SceneData`] describes a scene in plain arrays; [`Scene::new`] checks it and builds what rays need.
+//! - [`LightMesh`] holds the cached values from frame to frame; [`RenderOptions`] says how they are made and used.
+//! - [`render`] makes a picture, [`measure`] the irradiance at given points ([`Meter`]). Both report to a [`Progress`].
+//! - [`Snapshot`] is a light mesh's values as plain arrays, to be stored or merged into another mesh.
+//! - [`distributed`] shares a picture, or the evaluation of a mesh, among processes.
+//! - [`bvh`], [`geometry`] and [`metrics`] are of use by themselves: ray queries, shapes, and differences of pictures.
+//!
+//! Units are metres, candela, lux and cd/m². The crate reads and writes no files: `lightmesh-io` does.
+//!
+//! # Floors
+//!
+//! Folders are stacked, and none imports from one above it. From the ground up: `sampling`, `geometry` and `options`;
+//! the description of a `scene`, its `bvh`, its `light` and all together, the `world`; the `interaction` of rays with
+//! surfaces; the `mesh` without light, `direct` and `indirect` light on it, and both in a `light_mesh`; the `film`, the
+//! `integrator`, and the `api` on top of them.
 //!
 //! ```
 //! use lightmesh::geometry::{Sphere, TriangleMesh};
 //! use lightmesh::{Camera, Instance, Light, LightMesh, Material, RenderOptions, Scene, SceneData, render};
 //! # use glam::{Affine3A, Vec3};
 //! # fn main() -> Result<(), lightmesh::Error> {
-//! // A ball on a floor under a lamp.
+//! // A sphere on a floor, and a point light.
 //! let floor = TriangleMesh {
 //!     positions: vec![Vec3::ZERO, Vec3::new(0.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 0.0)],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -66,7 +81,6 @@ mod viewer;
 mod world;
 
 pub use api::{Frame, Measured, measure, render};
-pub use distributed::{fill as filling, partial_image as portions};
 pub use error::Error;
 pub use fingerprint::Fingerprint;
 pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};

@@ -1,28 +1,29 @@
-//! How a long computation reports and is stopped.
+//! Progress reports of long computations, and how to cancel them.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use crate::Viewer;
 
-/// What is being done.
+/// A stage of a computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Making a first sketch for a [`Viewer`]; counts samples.
-    Sketch,
-    /// Comparing pixels with their exact light, to keep to [`Method::Mesh`](crate::Method::Mesh)(crate::options::RenderOptions::error); counts samples.
+    /// Rendering a coarse preview for a [`Viewer`]; counts samples.
+    CoarsePreview,
+    /// Comparing pixels with their exact light, to keep to
+    /// [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
     Check,
-    /// Finding out which mesh points a picture's samples read; counts samples.
+    /// Finding the mesh points that a picture's samples read; counts samples.
     Demand,
-    /// Tracing and shading a picture's samples; counts samples, of all that there may be where time is limited.
+    /// Tracing and shading a picture's samples; counts samples. With a time limit the total may not be reached.
     Render,
-    /// Sampling the outlines of lamps again, more finely; counts samples.
-    Outlines,
+    /// Sampling pixels on emitter edges again, with more samples; counts samples.
+    EmitterEdges,
     /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::options::Method::Path)
     /// [`PictureOptions::spp`](crate::PictureOptions::spp).
     Measure,
-    /// Evaluating mesh points before somebody reads them; counts those that were asked for.
+    /// Evaluating mesh points before they are read; counts the requested points.
     Fill,
 }
 
@@ -34,12 +35,12 @@ pub trait Progress: Sync {
         let _ = (stage, done, total, rays);
     }
 
-    /// Whether the work should stop; asked every few milliseconds.
+    /// Whether the work should stop; called every few milliseconds.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Who looks at the picture while it is made; `None`: nobody. Asked once, when a render begins.
+    /// The viewer of the picture while it is rendered, if there is one. Called once, when a render begins.
     fn viewer(&self) -> Option<&dyn Viewer> {
         None
     }
@@ -51,7 +52,7 @@ impl Progress for () {}
 /// Milliseconds between two reports.
 const PERIOD_MS: u64 = 50;
 
-/// Counts the work of a stage from many threads and passes it on, not too often.
+/// Counts the work of a stage from many threads and reports it at intervals.
 pub(crate) struct Reporter<'a> {
     progress: &'a dyn Progress,
     stage: Stage,

@@ -151,3 +151,103 @@ fn imports_are_found() {
     assert_eq!(imports(text), ["Error", "bvh", "film", "mesh"]);
     assert_eq!(homes_of_root_names()["RenderOptions"], "options");
 }
+
+/// The modules of a folder that a file names, through its path or through as many `super::` as lead to it from the file.
+fn siblings(text: &str, folder: &str, up: usize, modules: &[String]) -> Vec<String> {
+    let code: String =
+        text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect();
+    let (relative, absolute) = ("super::".repeat(up), format!("crate::{}::", folder.replace('/', "::")));
+    let ends = |prefix: &str| -> Vec<usize> {
+        let starts = code.match_indices(prefix).map(|(start, _)| start);
+        starts.filter(|&start| !code[..start].ends_with("::")).map(|start| start + prefix.len()).collect()
+    };
+    let word =
+        |text: &str| -> String { text.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect() };
+    let mut names = Vec::new();
+    for end in [ends(&relative), ends(&absolute)].concat() {
+        let rest = code[end..].split(';').next().unwrap_or_default();
+        match rest.strip_prefix('{') {
+            None => names.push(word(rest)),
+            Some(group) => names.extend(group.split(['{', ',', '}']).map(word)),
+        }
+    }
+    names.retain(|name| modules.contains(name));
+    names
+}
+
+/// A circle of modules, as the names along it, if there is one.
+fn circle(arrows: &BTreeMap<String, Vec<String>>) -> Option<Vec<String>> {
+    fn walk<'a>(
+        arrows: &'a BTreeMap<String, Vec<String>>,
+        at: &'a str,
+        way: &mut Vec<&'a str>,
+        done: &mut Vec<&'a str>,
+    ) -> Option<Vec<String>> {
+        if let Some(first) = way.iter().position(|name| *name == at) {
+            return Some(way[first..].iter().map(|name| (*name).to_owned()).collect());
+        }
+        if done.contains(&at) {
+            return None;
+        }
+        way.push(at);
+        let found = arrows.get(at).into_iter().flatten().find_map(|next| walk(arrows, next, way, done));
+        way.pop();
+        done.push(at);
+        found
+    }
+    let mut done = Vec::new();
+    arrows.keys().find_map(|name| walk(arrows, name, &mut Vec::new(), &mut done))
+}
+
+/// Folders in which modules still import each other in a circle; no other folder may join them.
+const CIRCULAR: [&str; 4] = ["direct", "light", "light/tree", "mesh"];
+
+/// Within a folder, no modules import each other in a circle: adapting calls drawing, drawing does not call adapting.
+#[test]
+fn modules_of_a_folder_are_stacked() {
+    let mut folders: Vec<PathBuf> =
+        files_below(&source()).iter().filter_map(|path| path.parent().map(Path::to_owned)).collect();
+    folders.dedup();
+    folders.sort();
+    folders.dedup();
+    let mut wrong = Vec::new();
+    for folder in folders.iter().filter(|folder| **folder != source()) {
+        let name = folder.strip_prefix(source()).expect("a folder").to_string_lossy().replace('\\', "/");
+        // A module is a file, or a folder whose files count as one.
+        let module_of = |path: &Path| -> Option<String> {
+            let inside = path.strip_prefix(folder).ok()?.components().next()?.as_os_str().to_string_lossy();
+            Some(inside.trim_end_matches(".rs").to_owned()).filter(|module| module != "mod" && module != "tests")
+        };
+        let files = files_below(folder);
+        let modules: Vec<String> = files.iter().filter_map(|path| module_of(path)).collect();
+        let mut arrows: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for path in &files {
+            let Some(module) = module_of(path) else { continue };
+            let text = fs::read_to_string(path).expect("a source");
+            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+            let inside = path.strip_prefix(folder).expect("a file below");
+            let up = inside.components().count() - usize::from(inside.ends_with("mod.rs"));
+            let mut found = siblings(text, &name, up, &modules);
+            found.retain(|other| *other != module);
+            arrows.entry(module).or_default().extend(found);
+        }
+        if let Some(circle) = circle(&arrows).filter(|_| !CIRCULAR.contains(&name.as_str())) {
+            wrong.push(format!("{name}: {}", circle.join(" → ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The reader of siblings sees `super::` and the folder's path, and a circle is found.
+#[test]
+fn circles_are_found() {
+    let modules = ["wave", "block", "path"].map(str::to_owned);
+    let text = "use super::block::A;\nuse crate::integrator::wave::B;\nuse super::{path, Other};\n";
+    assert_eq!(siblings(text, "integrator", 1, &modules), ["block", "path", "wave"]);
+    assert_eq!(siblings("use super::super::block::A;", "integrator", 2, &modules), ["block"]);
+    let arrows = |arrows: &[(&str, &str)]| -> BTreeMap<String, Vec<String>> {
+        arrows.iter().map(|&(from, to)| (from.to_owned(), vec![to.to_owned()])).collect()
+    };
+    assert_eq!(circle(&arrows(&[("a", "b"), ("b", "c"), ("d", "a")])), None);
+    assert_eq!(circle(&arrows(&[("a", "b"), ("b", "c"), ("c", "b")])), Some(vec!["b".to_owned(), "c".to_owned()]));
+}

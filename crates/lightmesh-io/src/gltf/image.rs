@@ -268,7 +268,7 @@ impl Size {
             false => (texels.saturating_mul(4), texels.saturating_mul(4)),
         };
         let texel = if is_deep(decoder.color_type()) { 16 } else { 4 };
-        let smaller = if source.srgb { ImageData::pyramid_texels(width, height).saturating_mul(texel) } else { 0 };
+        let smaller = if source.srgb { ImageData::mipmap_texels(width, height).saturating_mul(texel) } else { 0 };
         let decoded = decoder.total_bytes();
         Ok(Self { texels, decoded, kept, smaller, transient: decoded.saturating_add(converted) })
     }

@@ -1,13 +1,13 @@
-//! The other front door: irradiance at given places, not through a camera.
+//! Measuring: irradiance at given points, without a camera.
 
 use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::integrator::{Lighting, measure_paths, measure_waves};
+use crate::integrator::{Lighting, MeterIrradiance, measure_paths, measure_waves};
 use crate::{Error, LightMesh, Meter, Method, Progress, RenderOptions, RenderStats, Scene};
 
-/// What meters have read and what it took.
+/// The irradiance at meters.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// By meter: what arrives from lights on the side that it faces, with no surface between; RGB, lux.
@@ -19,22 +19,24 @@ pub struct Measured {
     pub stats: RenderStats,
 }
 
-/// Measures the irradiance that arrives at every meter from the hemisphere that it faces, in rayon's current thread pool.
+/// Measures the irradiance that arrives at every meter from the hemisphere that it faces, in rayon's current thread
+/// pool.
 ///
 /// Each meter gets what a surface there would get in a picture, by the same code:
 ///
 /// | method | direct | indirect |
 /// |---|---|---|
-/// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`] | read from `mesh`, which is filled as far as meters ask for it | the same |
-/// | [`Method::Unbiased`] | its number of shadow rays, the mesh as control variate | as many gather rays |
+/// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`] | read from `mesh`, which is filled as needed | the same |
+/// | [`Method::Unbiased`] | [`RenderOptions::rays`] shadow rays, the mesh as control variate | as many gather rays |
 /// | [`Method::Standard`] | a shadow ray to every light sample | none |
 /// | [`Method::Path`] | [`PictureOptions::spp`](crate::PictureOptions::spp) samples | their paths |
 ///
-/// What a meter reads depends on its own place and direction alone, bit for bit: not on other meters, threads, or what was
-/// measured or rendered before. Meters outside the scene's box, where no mesh point is, get exact direct light and gather their indirect
-/// light by rays of their own.
+/// What a meter reads depends on its own position and direction alone, bit for bit: not on other meters, threads, or what
+/// was measured or rendered before. Meters outside the scene's box, where no mesh point is, get exact direct light and
+/// gather their indirect light by rays of their own.
 ///
-/// Size, samples, layers and cutoff of a picture have no part in it, but must be in range; samples count for [`Method::Path`].
+/// Size, samples, layers and cutoff of a picture have no part in it, but must be in range; samples count for
+/// [`Method::Path`].
 ///
 /// ```
 /// # use glam::Vec3;
@@ -58,10 +60,11 @@ pub struct Measured {
 /// ```
 ///
 /// # Errors
-/// [`Error::InvalidMeter`] names the first meter that is not finite or faces nowhere. [`Error::InvalidOption`] for options out of range, a
-/// mesh that was made for others, and options that need a picture: `error`, `refine` and `lod_distance` put mesh points and rays where
-/// a picture needs them, `time_limit` ends when every pixel has a sample. [`Error::OutOfMemory`] before an allocation that
-/// would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon after `progress` says so.
+/// [`Error::InvalidMeter`] names the first meter that is not finite or faces nowhere. [`Error::InvalidOption`] for
+/// options out of range, a mesh that was made for others, and options that need a picture: `error`, `refine` and
+/// `graded` put mesh points and rays where a picture needs them, `time_limit` ends when every pixel has a sample.
+/// [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon after
+/// `progress` says so.
 pub fn measure(
     scene: &Scene,
     meters: &[Meter],
@@ -70,16 +73,19 @@ pub fn measure(
     progress: &dyn Progress,
 ) -> Result<Measured, Error> {
     let started = Instant::now();
+    // Check options, memory and meters.
     options.validate()?;
     check_options(options)?;
     check_memory(meters.len() as u64, options.limits.max_memory)?;
     meters.iter().enumerate().try_for_each(|(index, meter)| meter.check(index))?;
-    let ([direct, indirect], mut stats) = match options.method {
+
+    // Measure by the method.
+    let (MeterIrradiance { direct, indirect }, mut stats) = match options.method {
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,
         Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
-            measure_waves(scene, meters, options, Lighting::Mesh(mesh), progress)?
+            measure_waves(scene, meters, options, Lighting::from_mesh(mesh), progress)?
         }
     };
     stats.spp = stats.spp.max(1);

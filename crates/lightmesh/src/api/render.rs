@@ -1,14 +1,13 @@
-//! The front door: one picture of a scene.
+//! Rendering: one picture of a scene through a camera.
 
 use std::time::Instant;
 
-use glam::Vec3;
-
 use crate::film::{Film, RenderClock};
-use crate::integrator::{Dots, Lighting, paint, render_path, render_waves};
+use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path};
+use crate::mesh::Points;
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
-/// A finished picture and what it took.
+/// A finished picture.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Linear, cd/m².
@@ -25,8 +24,8 @@ pub struct Frame {
 /// [`Viewer`](crate::Viewer) looks at it, unless its time is limited.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before an
-/// allocation that would exceed `options.limits.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
+/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before
+/// an allocation that would exceed `options.limits.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
 pub fn render(
     scene: &Scene,
     camera: &Camera,
@@ -34,30 +33,35 @@ pub fn render(
     mesh: &mut LightMesh,
     progress: &dyn Progress,
 ) -> Result<Frame, Error> {
+    // Check options and memory.
     options.validate()?;
     let viewer = progress.viewer();
     match viewer {
         Some(_) => options.check_viewed_picture_memory()?,
         None => options.check_picture_memory()?,
     }
+
+    // Draw by the method.
     let started = Instant::now();
-    let mut watch = RenderClock::new(progress, viewer, started, options.picture.time_limit);
+    let mut clock = RenderClock::new(progress, viewer, started, options.picture.time_limit);
     let mut film = new_film(scene, camera, options);
     let mut stats = match options.method {
-        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut watch)?,
-        Method::Path => render_path(scene, &mut film, options, &mut watch)?,
+        Method::Path => render_path(scene, &mut film, options, &mut clock)?,
+        Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut clock)?,
         Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
-            render_waves(scene, &mut film, options, Lighting::Mesh(mesh), &mut watch)?
+            render_waves(scene, &mut film, options, Lighting::from_mesh(mesh), &mut clock)?
         }
     };
+
     stats.spp = film.whole_passes();
     stats.time_limit_reached = stats.spp < options.picture.spp;
-    let film_frame = film.rays_and_size();
+
+    // Paint mesh points over the picture, where a layer wants them.
+    let view = film.view();
     let (image, mut layers) = film.into_image();
     if options.picture.aovs.contains(Aov::Points) {
-        let (rays, width, height) = film_frame;
-        stats.rays.secondary += paint(scene, (&rays, width, height), &mut layers, &points(mesh));
+        stats.rays.secondary += paint_points(scene, &view, &mut layers, &points(mesh));
     }
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     stats.seconds.render = started.elapsed().as_secs_f64();
@@ -68,7 +72,22 @@ pub fn render(
     Ok(Frame { image, layers, stats })
 }
 
-/// An empty film.
+/// Adapts mesh and lighting to the picture, then draws it.
+fn render_waves(
+    scene: &Scene,
+    film: &mut Film,
+    options: &RenderOptions,
+    lighting: Lighting<'_>,
+    clock: &mut RenderClock<'_>,
+) -> Result<RenderStats, Error> {
+    let mut stats = RenderStats::default();
+    let mut frame = WaveFrame::new(scene, options, lighting);
+    let plan = adapt(&mut frame, film, clock, &mut stats)?;
+    frame.draw_picture(film, plan, clock, &mut stats)?;
+    Ok(stats)
+}
+
+/// Makes the empty film of a picture.
 pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
     let mut film = Film::new(camera, options);
     if !scene.averages_textures() {
@@ -77,16 +96,18 @@ pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) 
     film
 }
 
-/// The points of both meshes, and what they look like in a picture of them.
-fn points(mesh: &LightMesh) -> Vec<(Dots, f32, Vec<Vec3>)> {
-    let direct = mesh.direct.points();
-    let mut points = vec![
-        (Dots::DIRECT, direct.spacing(), direct.valid_positions().collect()),
-        (Dots::DIRECT_INVALID, direct.spacing(), direct.invalid_positions().collect()),
-    ];
-    if let Some(indirect) = mesh.indirect.as_ref().map(|field| field.points()) {
-        points.push((Dots::INDIRECT, indirect.spacing(), indirect.valid_positions().collect()));
-        points.push((Dots::INDIRECT_INVALID, indirect.spacing(), indirect.invalid_positions().collect()));
+/// Lists the points of both meshes, with what they look like in a picture of them.
+fn points(mesh: &LightMesh) -> Vec<PointCloud> {
+    let list = |points: &Points, valid: Dots, invalid: Dots| {
+        let spacing = points.spacing();
+        [
+            PointCloud { dots: valid, spacing, positions: points.valid_positions().collect() },
+            PointCloud { dots: invalid, spacing, positions: points.invalid_positions().collect() },
+        ]
+    };
+    let mut points = list(mesh.direct.points(), Dots::DIRECT, Dots::DIRECT_INVALID).to_vec();
+    if let Some(field) = &mesh.indirect {
+        points.extend(list(field.points(), Dots::INDIRECT, Dots::INDIRECT_INVALID));
     }
     points
 }

@@ -46,8 +46,8 @@ pub(super) enum Content {
 /// before it, gives a chain; f32 leaves room for some 250 doublings with a few boxes each.
 const MAX_OPTIMIZED_DEPTH: usize = 1000;
 
-/// Rounds of PLOC that look at direct neighbours only: none. Empirical: one such round costs Sponza's rays 9% more nodes
-/// and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
+/// Rounds of PLOC that compare direct neighbours only: none. Empirical: one such round costs Sponza's rays 9% more
+/// nodes and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
 const FULL_SEARCH: usize = 0;
 
 /// Builds the tree over `items`, node 0 the root; empty for no items.
@@ -55,17 +55,17 @@ pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
     if items.is_empty() {
         return Vec::new();
     }
-    // Items with one and the same box count as one: PLOC merges a single pair of equals per round, so that 40,000 copies
-    // of a triangle took it 55 s.
+    // Items with one and the same box count as one: PLOC merges a single pair of equals per round, so that 40,000
+    // copies of a triangle took it 55 s.
     let mut order: Vec<u32> = (0..items.len() as u32).collect();
     order.par_sort_unstable_by_key(|&i| (bits(&items[i as usize].bounds), i));
     let mut groups: Vec<Range<u32>> = Vec::with_capacity(items.len());
     let mut distinct: Vec<Item> = Vec::with_capacity(items.len());
-    for (at, &i) in (0..).zip(&order) {
+    for (index, &i) in (0..).zip(&order) {
         match (groups.last_mut(), distinct.last()) {
-            (Some(group), Some(item)) if bits(&item.bounds) == bits(&items[i as usize].bounds) => group.end = at + 1,
+            (Some(group), Some(item)) if bits(&item.bounds) == bits(&items[i as usize].bounds) => group.end = index + 1,
             _ => {
-                groups.push(at..at + 1);
+                groups.push(index..index + 1);
                 distinct.push(items[i as usize]);
             }
         }
@@ -139,6 +139,7 @@ fn breadth_first(bvh: &Bvh2, order: &[u32], groups: &[Range<u32>]) -> Vec<Binary
             }
             other => other,
         };
+        // Queue the children of an inner node, and the halves of a group.
         let first = queue.len() as u32;
         let (bounds, content) = match source {
             Source::Node(i) => {
@@ -178,11 +179,13 @@ pub(super) fn median_tree(items: &[Item]) -> Vec<BinaryNode> {
             nodes[node].content = Content::Item(id);
             continue;
         }
+        // Split at the median along the longest axis.
         let centers = ids.iter().map(|&i| items[i as usize].bounds.center());
         let axis = Vec3A::from(Aabb::from_points(centers).size()).max_position();
         let half = ids.len() / 2;
         let key = |i: u32| items[i as usize].bounds.center()[axis];
         ids.select_nth_unstable_by(half, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+        // Both halves become children.
         let first = nodes.len();
         nodes[node].content = Content::Inner(first as u32);
         for part in [range.start..range.start + half, range.start + half..range.end] {

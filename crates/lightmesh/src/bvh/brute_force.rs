@@ -7,8 +7,9 @@ use super::triangle_bvh::has_area;
 use crate::geometry::Ray;
 use crate::scene::SceneData;
 
-/// What [`SceneBvh::closest`](super::scene_bvh::SceneBvh::closest) answers, without a tree: triangles are transformed to world
-/// space and tested one by one. Where the tree tests a mesh in object space, t, u and v may differ by rounding.
+/// What [`SceneBvh::closest`](super::scene_bvh::SceneBvh::closest) answers, without a tree: triangles are transformed
+/// to world space and tested one by one. Where the tree tests a mesh in object space, t, u and v may differ by
+/// rounding.
 pub fn closest_brute_force(data: &SceneData, ray: &Ray) -> Option<Hit> {
     let shear = Shear::new(ray);
     let mut hits = Vec::new();

@@ -47,8 +47,8 @@ struct Choice {
 }
 
 /// Collapses a binary tree by dynamic programming over the number of pieces a subtree is cut into: Ylitie, Karras and
-/// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1. `emit_leaf` gets
-/// the items under each leaf, depth first, and returns the run of leaf items it made of them.
+/// Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 4.1. `emit_leaf`
+/// gets the items under each leaf, depth first, and returns the run of leaf items it made of them.
 pub(super) fn collapse(
     binary: &[BinaryNode],
     rule: LeafRule,
@@ -59,22 +59,25 @@ pub(super) fn collapse(
     }
     let mut builder =
         Builder { binary, choices: choices(binary, rule), tree: WideTree::default(), under: Vec::new(), emit_leaf };
-    // Each entry: a piece's binary node, and where its reference belongs.
+    // Emit the pieces depth first. Each entry: a piece's binary node, the slot of its reference, and its depth.
     let mut pending = vec![(0_usize, None, 0_usize)];
-    while let Some((at, slot, depth)) = pending.pop() {
-        let (child, grandchildren) = builder.emit(at);
+    while let Some((index, slot, depth)) = pending.pop() {
+        let (child, grandchildren) = builder.emit(index);
         builder.tree.depth = builder.tree.depth.max(depth + 1);
+        // Enter the reference into the parent.
         match slot {
             None => builder.tree.root = Some(child),
             Some((node, lane)) => {
-                let Aabb { min, max } = binary[at].bounds;
+                let Aabb { min, max } = binary[index].bounds;
                 let node: &mut Node = &mut builder.tree.nodes[node];
                 node.set_child(lane, min.to_array(), max.to_array(), child);
             }
         }
+        // Go on with the pieces, the first on top.
         let node = child.0 as usize;
-        pending
-            .extend(grandchildren.into_iter().enumerate().rev().map(|(lane, at)| (at, Some((node, lane)), depth + 1)));
+        pending.extend(
+            grandchildren.into_iter().enumerate().rev().map(|(lane, piece)| (piece, Some((node, lane)), depth + 1)),
+        );
     }
     builder.tree
 }
@@ -88,63 +91,68 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Makes a leaf or a node of the subtree under `at`; returns its reference and the pieces it has as children.
-    fn emit(&mut self, at: usize) -> (ChildRef, Vec<usize>) {
-        if matches!(self.choices[at].cut[0], Cut::Leaf) {
+    /// Makes a leaf or a node of the subtree under a binary node. Returns its reference and the pieces that are its
+    /// children.
+    fn emit(&mut self, index: usize) -> (ChildRef, Vec<usize>) {
+        if matches!(self.choices[index].cut[0], Cut::Leaf) {
             self.under.clear();
-            items_under(self.binary, at, &mut self.under);
+            items_under(self.binary, index, &mut self.under);
             let items = (self.emit_leaf)(&self.under);
             return (ChildRef::leaf(items.start, items.len()), Vec::new());
         }
         self.tree.nodes.push(Node::EMPTY);
         let mut pieces = Vec::with_capacity(WIDTH);
-        self.pieces(at, WIDTH, true, &mut pieces);
-        let area = |at: usize| half_area(&self.binary[at].bounds);
+        self.pieces(index, WIDTH, true, &mut pieces);
+        // The largest first, which rays meet most often.
+        let area = |index: usize| half_area(&self.binary[index].bounds);
         pieces.sort_by(|&a, &b| area(b).total_cmp(&area(a)).then(a.cmp(&b)));
         (ChildRef::node(self.tree.nodes.len() - 1), pieces)
     }
 
-    /// Collects the roots of the at most `count` pieces that `at` is best cut into; `open` forces a cut below `at`.
-    fn pieces(&self, at: usize, count: usize, open: bool, out: &mut Vec<usize>) {
+    /// Collects the roots of the at most `count` pieces that a binary node is best cut into; with `open` it is cut in
+    /// any case.
+    fn pieces(&self, index: usize, count: usize, open: bool, out: &mut Vec<usize>) {
         let mut count = count;
-        while let Cut::Fewer = self.choices[at].cut[count - 1] {
+        while let Cut::Fewer = self.choices[index].cut[count - 1] {
             count -= 1;
         }
-        match (self.choices[at].cut[count - 1], self.binary[at].content) {
+        match (self.choices[index].cut[count - 1], self.binary[index].content) {
             (Cut::Split { left }, Content::Inner(first)) => {
                 self.pieces(first as usize, left as usize, false, out);
                 self.pieces(first as usize + 1, count - left as usize, false, out);
             }
-            // The best cut of an opened node is never one piece: `choices` sees to it.
+            // `choices` never makes one piece the best cut of an opened node.
             _ => {
                 debug_assert!(!open);
-                out.push(at);
+                out.push(index);
             }
         }
     }
 }
 
-fn items_under(binary: &[BinaryNode], at: usize, out: &mut Vec<u32>) {
-    let mut pending = vec![at];
-    while let Some(at) = pending.pop() {
-        match binary[at].content {
+/// Collects the items under a binary node, depth first.
+fn items_under(binary: &[BinaryNode], index: usize, out: &mut Vec<u32>) {
+    let mut pending = vec![index];
+    while let Some(index) = pending.pop() {
+        match binary[index].content {
             Content::Item(item) => out.push(item),
             Content::Inner(first) => pending.extend([first as usize + 1, first as usize]),
         }
     }
 }
 
-/// Best costs of every binary node, children before parents.
+/// Finds the best costs of every binary node, children before parents.
 fn choices(binary: &[BinaryNode], rule: LeafRule) -> Vec<Choice> {
     let none = Choice { cost: [0.0; WIDTH], cut: [Cut::Leaf; WIDTH], primitives: 1 };
     let max_leaf = (rule.max_items.min(MAX_LEAF_ITEMS) * rule.primitives_per_item) as u32;
     let mut choices = vec![none; binary.len()];
-    for (at, node) in binary.iter().enumerate().rev() {
+    for (index, node) in binary.iter().enumerate().rev() {
         let area = half_area(&node.bounds);
+        // An item is one piece, a leaf.
         let Content::Inner(first) = node.content else {
             let cost = area * rule.item_cost;
-            choices[at] = Choice { cost: [cost; WIDTH], cut: [Cut::Leaf; WIDTH], primitives: 1 };
-            choices[at].cut[1..].fill(Cut::Fewer);
+            choices[index] = Choice { cost: [cost; WIDTH], cut: [Cut::Leaf; WIDTH], primitives: 1 };
+            choices[index].cut[1..].fill(Cut::Fewer);
             continue;
         };
         let (left, right) = (choices[first as usize], choices[first as usize + 1]);
@@ -178,7 +186,7 @@ fn choices(binary: &[BinaryNode], rule: LeafRule) -> Vec<Choice> {
                 choice.cut[pieces - 1] = Cut::Fewer;
             }
         }
-        choices[at] = choice;
+        choices[index] = choice;
     }
     choices
 }

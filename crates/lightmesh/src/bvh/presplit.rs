@@ -1,4 +1,4 @@
-//! Large triangles in parts: a box around a part of a long slanted triangle holds less empty space.
+//! Splitting large triangles: the boxes of the parts of a long slanted triangle hold less empty space.
 
 use glam::Vec3;
 use obvhs::splits::split_aabbs_preset;
@@ -7,11 +7,12 @@ use obvhs::triangle::Triangle;
 use super::binary_tree::Item;
 use crate::geometry::Aabb;
 
-/// Replaces the boxes of large triangles by boxes of their parts, where that saves surface.
+/// Replaces the boxes of large triangles by boxes of their parts, where that saves surface area.
 pub(super) fn presplit(items: &mut Vec<Item>, triangles: &[[Vec3; 3]]) {
     if items.is_empty() {
         return;
     }
+    // Split the boxes by obvhs.
     let mut boxes: Vec<obvhs::aabb::Aabb> =
         items.iter().map(|i| obvhs::aabb::Aabb::new(i.bounds.min.into(), i.bounds.max.into())).collect();
     let mut primitives: Vec<u32> = items.iter().map(|i| i.primitive).collect();
@@ -22,8 +23,10 @@ pub(super) fn presplit(items: &mut Vec<Item>, triangles: &[[Vec3; 3]]) {
     let largest = boxes.iter().map(|b| b.half_area()).fold(0.0, f32::max);
     split_aabbs_preset(&mut boxes, &mut primitives, &corners, average, largest);
 
+    // Count the parts of each triangle.
     let mut parts = vec![0_u8; triangles.len()];
     primitives.iter().for_each(|&p| parts[p as usize] = parts[p as usize].saturating_add(1));
+    // Take the boxes over, those of parts with a margin.
     items.clear();
     items.extend(boxes.iter().zip(primitives).map(|(b, primitive)| {
         let (mut bounds, whole) =

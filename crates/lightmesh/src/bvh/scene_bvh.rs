@@ -94,8 +94,8 @@ impl SceneBvh {
         occluded[0]
     }
 
-    /// Offers the surfaces that the ray meets in (t_min, t_max) to `accept`, each at most once (a sphere or a shape once
-    /// per crossing), in any order, until it returns true; returns whether it did.
+    /// Offers the surfaces that the ray meets in (t_min, t_max) to `accept`, each at most once (a sphere or a shape
+    /// once per crossing), in any order, until it returns true; returns whether it did.
     pub fn any_hit(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> bool {
         self.any_hit_dyn(ray, &mut accept)
     }

@@ -15,13 +15,14 @@ use super::triangle_block::TriangleHit;
 use super::triangle_bvh::{Closest, TriangleBvh};
 use crate::geometry::{Aabb, Ray, Shape, Sphere};
 
-/// Entering an instance costs about as much as this many nodes. Empirical.
+/// The cost of entering an instance, in nodes. Empirical.
 const OBJECT_COST: f32 = 4.0;
 
-/// Largest coordinate of an object's box, metres: boxes of unbounded shapes are cut there, so that surfaces stay finite.
+/// Largest coordinate of an object's box, metres: boxes of unbounded shapes are cut there, so that surfaces stay
+/// finite.
 const FAR: f32 = 1e18;
 
-/// Most crossings of one sphere or shape that are offered to `any_hit`.
+/// The most crossings of one sphere or shape that `any_hit` offers.
 const MAX_CROSSINGS: usize = 64;
 
 /// Something in the top level.
@@ -66,14 +67,16 @@ pub(super) struct TopLevel {
 }
 
 impl TopLevel {
-    /// `None` where there is no object with a box.
+    /// Builds the tree; `None` if no object has a box.
     pub(super) fn build(mut objects: Vec<Object>) -> Option<Self> {
+        // Leave out empty objects, and cut unbounded ones.
         objects.retain(|o| !o.bounds.is_empty());
         for Object { bounds, .. } in &mut objects {
             *bounds = Aabb { min: bounds.min.max(Vec3::splat(-FAR)), max: bounds.max.min(Vec3::splat(FAR)) };
         }
         let items: Vec<Item> =
             objects.iter().zip(0..).map(|(o, primitive)| Item { bounds: o.bounds, primitive }).collect();
+        // Build a binary tree and collapse it; a balanced one where that is too deep for the stacks.
         let make = |binary: &[BinaryNode]| {
             let rule = LeafRule { primitives_per_item: 1, max_items: 1, item_cost: OBJECT_COST };
             let mut order = Vec::with_capacity(items.len());
@@ -101,7 +104,7 @@ impl TopLevel {
         (self.tree.nodes.len() * size_of::<Node>() + self.objects.len() * size_of::<Object>()) as u64
     }
 
-    /// The closest of `closest` and what is hit here.
+    /// Returns the closest of `closest` and the hits of this tree.
     #[inline(always)]
     pub(super) fn closest<S: Simd>(
         &self,
@@ -113,6 +116,7 @@ impl TopLevel {
     ) -> Option<Hit> {
         let Some(root) = self.tree.root else { return closest };
         let boxes = BoxRay::new(simd, ray, &self.bounds);
+        // Begin at the hit that is there already.
         let mut t_max = closest.map_or(ray.t_max, |hit| hit.t);
         traverse::<S, FrontToBack>(
             simd,
@@ -123,6 +127,7 @@ impl TopLevel {
             &mut stacks.top,
             #[inline(always)]
             |leaf, t_max| {
+                // Intersect each object of the leaf, instances in their own space.
                 for object in &self.objects[leaf.items()] {
                     let hit = match &object.surface {
                         Surface::Instance { instance, mesh, object_from_world } => {
@@ -141,10 +146,13 @@ impl TopLevel {
                             inner.found.then_some(Hit { t, u, v, target })
                         }
                         Surface::Sphere { index, sphere } => {
-                            sphere.intersect(ray).map(|t| at(t, Target::Sphere(*index)))
+                            sphere.intersect(ray).map(|t| hit_at(t, Target::Sphere(*index)))
                         }
-                        Surface::Shape { index, shape } => shape.intersect(ray).map(|t| at(t, Target::Shape(*index))),
+                        Surface::Shape { index, shape } => {
+                            shape.intersect(ray).map(|t| hit_at(t, Target::Shape(*index)))
+                        }
                     };
+                    // Keep the closer hit, of equal ones that of the lower target.
                     if let Some(hit) = hit
                         && (hit.t < *t_max || closest.is_some_and(|c| hit.t == c.t && hit.target < c.target))
                     {
@@ -158,6 +166,7 @@ impl TopLevel {
         closest
     }
 
+    /// Whether the ray meets any object.
     #[inline(always)]
     pub(super) fn occluded<S: Simd>(
         &self,
@@ -177,6 +186,7 @@ impl TopLevel {
             &mut stacks.top,
             #[inline(always)]
             |leaf, _| {
+                // Stop at the first object of the leaf that is met.
                 for object in &self.objects[leaf.items()] {
                     let met = match &object.surface {
                         Surface::Instance { mesh, object_from_world, .. } => {
@@ -199,6 +209,7 @@ impl TopLevel {
         )
     }
 
+    /// Offers all hits to `accept`, in any order, until it returns true; returns whether it did.
     #[inline(always)]
     pub(super) fn any_hit<S: Simd>(
         &self,
@@ -219,11 +230,13 @@ impl TopLevel {
             &mut stacks.top,
             #[inline(always)]
             |leaf, _| {
+                // Offer the hits of each object of the leaf: all triangles, all crossings.
                 for object in &self.objects[leaf.items()] {
                     let stop = match &object.surface {
                         Surface::Instance { instance, mesh, object_from_world } => {
                             let Some(bvh) = &meshes[*mesh] else { continue };
                             let ray = object_from_world.ray(ray);
+                            // Traverse the mesh in object space, where t stays the same.
                             let mut offer = |TriangleHit { t, u, v, id }| {
                                 let target = Target::Triangle { instance: *instance, triangle: id };
                                 accept(&Hit { t, u, v, target })
@@ -234,10 +247,10 @@ impl TopLevel {
                             )
                         }
                         Surface::Sphere { index, sphere } => {
-                            crossings(ray, |ray| sphere.intersect(ray), |t| accept(&at(t, Target::Sphere(*index))))
+                            crossings(ray, |ray| sphere.intersect(ray), |t| accept(&hit_at(t, Target::Sphere(*index))))
                         }
                         Surface::Shape { index, shape } => {
-                            crossings(ray, |ray| shape.intersect(ray), |t| accept(&at(t, Target::Shape(*index))))
+                            crossings(ray, |ray| shape.intersect(ray), |t| accept(&hit_at(t, Target::Shape(*index))))
                         }
                     };
                     if stop {
@@ -250,8 +263,8 @@ impl TopLevel {
     }
 }
 
-/// A hit of a surface that has no barycentric coordinates.
-fn at(t: f32, target: Target) -> Hit {
+/// Makes the hit of a surface that has no barycentric coordinates.
+fn hit_at(t: f32, target: Target) -> Hit {
     Hit { t, u: 0.0, v: 0.0, target }
 }
 

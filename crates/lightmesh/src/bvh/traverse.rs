@@ -18,7 +18,8 @@ pub(super) const MAX_DEPTH: usize = STACK / (WIDTH - 1);
 /// Children still to visit: the distance where the ray enters them in the upper half, their reference in the lower.
 pub(super) type Stack = [u64; STACK];
 
-/// What traversals of two levels need. Threads keep theirs from ray to ray: clearing 4 kB takes a third as long as a short shadow ray.
+/// What traversals of two levels need. Threads keep theirs from ray to ray: clearing 4 kB takes a third as long as a
+/// short shadow ray.
 pub(super) struct Stacks {
     pub(super) mesh: Stack,
     pub(super) top: Stack,
@@ -86,7 +87,8 @@ impl<S: Simd> BoxRay<S> {
         let (o, d) = (ray.origin, ray.direction);
         let reach = (o - bounds.min).abs().max((o - bounds.max).abs()).max_element();
         let margin = Vec3::splat(reach * (1.0 / (1 << 20) as f32)).max(o.abs() * (1.0 / (1 << 22) as f32));
-        // A finite 1/0 keeps 0 · ∞ = NaN out: (p − o) / 0 then is ±huge, or 0 on the plane itself, which counts as inside.
+        // A finite 1/0 keeps 0 · ∞ = NaN out: (p − o) / 0 then is ±huge, or 0 on the plane itself, which counts as
+        // inside.
         let inverse = d.to_array().map(|d| (1.0 / d).clamp(-f32::MAX, f32::MAX));
         let side = inverse.map(|r| (r.to_bits() >> 31) as usize);
         let shift = |axis: usize| if side[axis] == 0 { margin[axis] } else { -margin[axis] };
@@ -100,7 +102,7 @@ impl<S: Simd> BoxRay<S> {
         }
     }
 
-    /// Where the ray enters each child's box, and a bit mask of the children it meets before `t_max`.
+    /// Returns where the ray enters each child's box, and a bit mask of the children that it meets before `t_max`.
     #[inline(always)]
     fn enter(&self, simd: S, node: &Node, t_max: f32x8<S>) -> (f32x8<S>, u32) {
         let slab = |axis: usize| {
@@ -164,12 +166,12 @@ pub(super) fn traverse<S: Simd, O: Order>(
                     mask &= mask - 1;
                     let pushed = nearest.max(other);
                     nearest = nearest.min(other);
-                    let mut at = depth;
-                    while at > base && stack[at - 1] < pushed {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
+                    let mut slot = depth;
+                    while slot > base && stack[slot - 1] < pushed {
+                        stack[slot] = stack[slot - 1];
+                        slot -= 1;
                     }
-                    stack[at] = pushed;
+                    stack[slot] = pushed;
                     depth += 1;
                 }
                 current = nearest as u32;
@@ -181,6 +183,7 @@ pub(super) fn traverse<S: Simd, O: Order>(
                 }
             }
         };
+        // Visit the leaf, which may shorten the ray.
         if found {
             if leaf(ChildRef(current), t_max) {
                 return true;

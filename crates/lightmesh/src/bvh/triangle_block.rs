@@ -10,8 +10,8 @@ use crate::geometry::Ray;
 /// Triangles per block.
 pub(super) const LANES: usize = 4;
 
-/// Four triangles: row `3·corner + axis` holds that coordinate of that corner, row 9 the bits of the primitives' ids. 160
-/// bytes. A lane without a triangle holds NaN, which no test accepts.
+/// Four triangles: row `3·corner + axis` holds that coordinate of that corner, row 9 the bits of the primitives' ids.
+/// 160 bytes. A lane without a triangle holds NaN, which no test accepts.
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub(super) struct TriangleBlock {
@@ -37,8 +37,8 @@ impl TriangleBlock {
     }
 }
 
-/// The part of the test that depends on the ray alone (the paper's section 3): the axes so renamed that z is the longest
-/// component of the direction, and the shear that turns the direction into +z.
+/// The part of the test that depends on the ray alone (the paper's section 3): the axes so renamed that z is the
+/// longest component of the direction, and the shear that turns the direction into +z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shear {
     kx: usize,
@@ -78,13 +78,13 @@ pub(super) struct TriangleHit {
     pub(super) id: u32,
 }
 
-/// The test of one triangle, plain: the twin of [`BlockRay::hits`], which gives the same bits, and the one judge where a
-/// ray meets an edge.
+/// The test of one triangle, plain: the twin of [`BlockRay::hits`], which gives the same bits, and the one judge where
+/// a ray meets an edge.
 ///
-/// The signs of U, V and W say on which side of each edge the ray passes. Rounding is monotonic, so in f32 a sign is right
-/// or the value is zero; two triangles at an edge compute the same products and so agree. Zeros are decided in f64, where
-/// products of f32 are exact, so a ray through a corner meets one of its triangles at least. What remains is the rounding
-/// of the sheared corners themselves, which neighbours share.
+/// The signs of U, V and W say on which side of each edge the ray passes. Rounding is monotonic, so in f32 a sign is
+/// right or the value is zero; two triangles at an edge compute the same products and so agree. Zeros are decided in
+/// f64, where products of f32 are exact, so a ray through a corner meets one of its triangles at least. What remains is
+/// the rounding of the sheared corners themselves, which neighbours share.
 pub(super) fn intersect_triangle(shear: &Shear, corners: &[Vec3; 3]) -> Option<[f32; 3]> {
     let [sx, sy, sz] = shear.scale;
     // Corners relative to the origin, sheared.

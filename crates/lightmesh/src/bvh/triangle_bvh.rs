@@ -45,10 +45,10 @@ impl Closest {
 }
 
 impl TriangleBvh {
-    /// Builds the tree; a triangle's id is its place in the slice. Triangles without area or with a corner that is not
+    /// Builds the tree; a triangle's id is its index in the slice. Triangles without area or with a corner that is not
     /// finite are left out. At most 2³¹ triangles.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
-        // Boxes of what can be hit, large ones in parts.
+        // Box the triangles that can be hit, large ones in parts.
         let mut items = Vec::with_capacity(triangles.len());
         for (corners, primitive) in triangles.iter().zip(0..) {
             if has_area(corners) {
@@ -60,6 +60,7 @@ impl TriangleBvh {
         let mut parts = vec![0_u32; triangles.len()];
         items.iter().for_each(|item| parts[item.primitive as usize] += 1);
 
+        // Build a binary tree and collapse it; a balanced one where that is too deep for the stacks.
         let make = |binary: &[BinaryNode]| {
             let rule = LeafRule { primitives_per_item: LANES, max_items: MAX_BLOCKS, item_cost: BLOCK_COST };
             let mut blocks = Vec::new();
@@ -95,7 +96,7 @@ impl TriangleBvh {
         (self.tree.nodes.len() * size_of::<Node>() + self.blocks.len() * size_of::<TriangleBlock>()) as u64
     }
 
-    /// Looks for a hit closer than `closest`, which it replaces.
+    /// Replaces `closest` by a closer hit, if there is one.
     #[inline(always)]
     pub(super) fn closest<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack, closest: &mut Closest) {
         let Some(root) = self.tree.root else { return };
@@ -111,6 +112,7 @@ impl TriangleBvh {
             stack,
             #[inline(always)]
             |leaf, t_max| {
+                // Test four triangles at once, and keep the closest hit, of equal ones that of the lower id.
                 for block in &self.blocks[leaf.items()] {
                     blocks.hits(
                         simd,
@@ -164,8 +166,8 @@ impl TriangleBvh {
         )
     }
 
-    /// Offers each triangle that the ray meets once to `accept`, in any order, until it returns true; returns whether it
-    /// did.
+    /// Offers each triangle that the ray meets once to `accept`, in any order, until it returns true; returns whether
+    /// it did.
     #[inline(always)]
     pub(super) fn any_hit<S: Simd>(
         &self,

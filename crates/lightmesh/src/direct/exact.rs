@@ -8,9 +8,9 @@ use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
 use crate::light::{Directions, LightCut};
 use crate::world::Scene;
 
-/// Buffers of [`Scratch::irradiance`], one per worker, kept between calls.
+/// Sums light exactly, with buffers that it keeps; one per worker.
 #[derive(Debug, Default)]
-pub(crate) struct Scratch {
+pub(crate) struct ExactShader {
     directions: Directions,
     lanes: Vec<u32>,
     terms: Vec<f32>,
@@ -19,20 +19,20 @@ pub(crate) struct Scratch {
     shadow: VisibilityScratch,
 }
 
-impl Scratch {
-    /// Σ_i V_i φ2 E_i / φ3 over lights that look from the vertex: formula (2) with exact visibility, lux per channel; also how many
-    /// shadow rays it took.
+impl ExactShader {
+    /// Returns Σ_i V_i φ2 E_i / φ3 over the lights of a cut: formula (2) with exact visibility, lux per channel; and
+    /// the number of shadow rays.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
-        seen: &LightCut<'_>,
+        cut: &LightCut<'_>,
         falloff: Falloff,
         vertex: &ShadingPoint,
     ) -> (Vec3, u64) {
-        let lights = seen.lights();
+        let lights = cut.lights();
         lights.directions(scene.simd_level(), falloff, vertex.position, &mut self.directions);
 
-        // Only lights in front of the surface, in their cone and range, are worth a ray.
+        // Make a ray to each light that is in front of the surface and has it in its cone and range.
         self.lanes.clear();
         self.terms.clear();
         self.rays.clear();
@@ -43,11 +43,12 @@ impl Scratch {
             if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 self.lanes.push(lane as u32);
                 self.terms.push(term);
-                self.rays.push(seen.shadow_ray(lane, vertex.origin_towards(direction)));
+                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction)));
             }
         }
-        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
 
+        // Trace the rays and sum.
+        visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
         let mut sum = Vec3::ZERO;
         for ((&lane, &term), &v) in self.lanes.iter().zip(&self.terms).zip(&self.visible) {
             sum += lights.intensity(lane as usize) * v * term;

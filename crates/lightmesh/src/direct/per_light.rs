@@ -1,27 +1,29 @@
-//! Direct light from what the mesh knows of each single light: shadow rays are shot where it does not know enough.
+//! Direct light from the mesh's visibility of each single light, with shadow rays where that is not enough.
 //!
-//! Both ways begin with Σ_i V̂_i c_i, where c_i is what light i would give unshadowed (a term of formula (2)) and V̂_i in [0, 1] what
-//! the mesh points around the surface say of its visibility. They differ in what they shoot:
+//! Both methods begin with Σ_i V̂_i c_i, where c_i is the unshadowed light of light i (a term of formula (2)) and V̂_i
+//! in [0, 1] its visibility estimate from the mesh points around the surface. They differ in the rays that they trace:
 //!
-//! - *hybrid*: a ray to every light about which the points disagree, whose V̂_i is then V_i; of those that give but little of the light
-//!   only some, chosen by what there is to gain (below), so that the others are counted without bias. Where points agree they
-//!   are believed, unless the light is below the surface, beyond points that are hidden from it, or gives much of the light: what is
-//!   thinner than the mesh can be missed;
-//! - *unbiased*: K rays whatever the mesh says, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j) c_j / p_j is added: the
-//!   mesh is a control variate of light sampling, and the expectation is the exact sum whatever it says.
+//! - *hybrid*: a ray to every partial light, whose V̂_i is then replaced by V_i; of those that give little light only
+//!   some, chosen by how much a ray is expected to change (below), so that the others count without bias. The estimate
+//!   of a certain light is kept, unless the light is below the surface, beyond points that are hidden from it, or gives
+//!   much of the light: what is thinner than the mesh can be missed;
+//! - *unbiased*: K rays whatever the estimate is, to lights j chosen with probability p_j, and the mean of (V_j − V̂_j)
+//!   c_j / p_j is added: the mesh is a control variate of light sampling, and the expectation is the exact sum whatever
+//!   V̂ is.
 //!
-//! Of many lights, light i may be a cluster (`light_mesh/region_lights.rs`). A ray to it goes to one of its lights, whose own c_k over the
-//! probability that it was chosen takes the place of c_i. *Unbiased* puts it where c_i is multiplied by V, and not where it is subtracted: the
-//! expectation is still the exact sum over all lights, whatever stands for the cluster. *Hybrid* puts it in both places: less noise (1.37
-//! instead of 1.50% in paper5000_10000, and `--error` needs no exact light there), and the error of the unshadowed sum stays.
+//! Of many lights, light i may be a cluster (`region_visibility.rs`). A ray to it goes to one of its lights k, and c_k
+//! over the probability that k was chosen takes the place of c_i. *Unbiased* puts it where c_i is multiplied by V, and
+//! not where it is subtracted: the expectation is still the exact sum over all lights, whatever stands for the cluster.
+//! *Hybrid* puts it in both places: less noise (1.37 instead of 1.50% in the room of 10,000 lights, and `--error` needs
+//! no exact light there), and the error of the unshadowed sum stays.
 
 mod control_variate;
 
-use control_variate::Single;
+use control_variate::SingleLight;
 use fearless_simd::Simd;
 use glam::Vec3;
 
-use super::region_visibility::LightCutVisibility;
+use super::region_visibility::{ClusterLight, LightCutVisibility};
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
@@ -29,25 +31,26 @@ use crate::light::{BlockTerms, LANES, LightTerms, Receiver};
 use crate::sampling::{hash, set_bits, unit_f32};
 use crate::world::Scene;
 
-/// How much of the light at a surface the mesh is believed about.
+/// Which lights get a shadow ray although the mesh has an estimate of their visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SamplingPolicy {
-    /// Of disputed lights, each that gives this part of all light (unshadowed), or more, gets a ray, and the others together one
-    /// for each such part.
+    /// A partial light whose ray is expected to change this part of all light (unshadowed), or more, gets a ray, and
+    /// the others together one for each such part.
     pub step: f32,
-    /// A light that gives this part or more gets a ray whatever the points agree on: in the open, and where something stands near.
+    /// A certain light that gives this part of all light or more gets a ray: in the open, and where something stands
+    /// near.
     pub always_above: [f32; 2],
-    /// What of the other lights that the points agree about.
+    /// What happens to the other certain lights.
     pub agreement: TrustAgreement,
 }
 
-/// Whom the mesh is believed about.
+/// Whether the estimate is final where all points agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TrustAgreement {
-    /// Lights that all points agree about and that do not give much.
+    /// It is, for certain lights that do not give much.
     Yes,
-    /// Nobody: one ray for every [`SamplingPolicy::always_above`] of the light that is agreed about. The expectation is exact, but for what
-    /// clusters are off.
+    /// It is not: one ray for every [`SamplingPolicy::always_above`] of the light of certain lights. The expectation is
+    /// exact, but for the error of clusters.
     Unbiased,
 }
 
@@ -56,13 +59,13 @@ impl SamplingPolicy {
     pub(crate) const HYBRID: Self = Self { step: 0.0035, always_above: [0.3, 0.12], agreement: TrustAgreement::Yes };
 }
 
-/// Rays that wait to be shot, at most, but for those of one surface.
+/// The rays in the queue, at most, but for those of one surface.
 const RAYS: usize = 4096;
 
-/// Rays to the lights of a cluster that gives much or is in much doubt, at most. Empirical, not varied.
+/// Rays to the lights of a cluster that gives much or is very uncertain, at most. Empirical, not varied.
 const RAYS_PER_CLUSTER: f32 = 16.0;
 
-/// Buffers, one set per worker, kept between calls. Rays of many surfaces are shot together.
+/// Buffers, one set per worker, kept between calls. Rays of many surfaces are traced together.
 #[derive(Debug, Default)]
 pub(super) struct PerLightShader {
     terms: LightTerms,
@@ -70,9 +73,10 @@ pub(super) struct PerLightShader {
     queue: Vec<QueuedRay>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
-    /// What is chosen among, and how likely: first the blocks' lights that are agreed about, then the others.
+    /// The choices of *unbiased*, each with a number in proportion to its probability: first the certain lights of each
+    /// block together, then `singles`.
     contributions: Vec<f32>,
-    singles: Vec<Single>,
+    singles: Vec<SingleLight>,
 }
 
 /// What is done with a ray's visibility V: weight · (V − expected) is added to the light of a surface.
@@ -83,15 +87,43 @@ struct QueuedRay {
     surface: u32,
 }
 
-/// What is lit.
+/// A shadow ray to a light of a block, before it is queued.
+#[derive(Clone, Copy, Debug)]
+struct ShadowRequest<'a> {
+    block: &'a BlockTerms,
+    /// The lane of the block's first light.
+    first_lane: usize,
+    /// Which of the block's lights.
+    i: usize,
+    /// The light's unshadowed irradiance, times `scale`.
+    weight: Vec3,
+    /// One over the probability of the ray.
+    scale: f32,
+    /// The light's V̂, which the sum has already.
+    expected: f32,
+    in_cluster: ClusterSampling,
+}
+
+/// How the lights of a cluster are chosen, if the light of a request is one.
+#[derive(Clone, Copy, Debug)]
+enum ClusterSampling {
+    /// One light, by the k-th random number for its node. Its own light takes the place of the cluster's where that is
+    /// multiplied by V, without bias.
+    One { k: u32 },
+    /// About this many lights. Their own light takes the place of the cluster's for V and for V̂: no noise where V is
+    /// as expected, and the error of the cluster's unshadowed light stays.
+    Some { rays: f32 },
+}
+
+/// A surface point to be shaded.
 #[derive(Clone, Copy)]
 pub(super) struct Shaded<'a> {
     pub scene: &'a Scene,
     pub falloff: Falloff,
     pub vertex: &'a ShadingPoint,
-    /// Its number among those that are lit together.
+    /// Its index in the batch.
     pub surface: u32,
-    /// The lights, and what the points around it know of them.
+    /// The lights with their visibility estimate.
     pub lights: LightCutVisibility<'a>,
     pub seed: u32,
     /// Where its rays start: [`ShadingPoint::origins`].
@@ -99,170 +131,182 @@ pub(super) struct Shaded<'a> {
 }
 
 impl Shaded<'_> {
+    /// Returns the point as lights receive it.
     fn receiver(&self) -> Receiver {
         let ShadingPoint { position, n, ng, .. } = *self.vertex;
         Receiver { position, n, ng, occluder_direction: self.lights.estimate.occluder_direction, falloff: self.falloff }
     }
 
-    /// Where a ray towards `direction` starts.
+    /// Returns where a ray towards `direction` starts.
     #[inline(always)]
     fn origin_towards(&self, direction: Vec3) -> Vec3 {
         self.origins[usize::from(self.vertex.ng.dot(direction) < 0.0)]
     }
 
-    /// The i-th random number, in [0, 1).
+    /// Returns the i-th random number, in [0, 1).
     fn random(&self, i: u32) -> f32 {
         unit_f32(hash(self.seed ^ hash(i.wrapping_mul(0x9e37_79b9).wrapping_add(1))))
     }
 
-    /// The i-th random number for a node of the light tree, in [0, 1).
+    /// Returns the i-th random number for a node of the light tree, in [0, 1).
     fn random_in(&self, node: u32, i: u32) -> f32 {
         unit_f32(hash(hash(self.seed ^ hash(node)).wrapping_add(i)))
     }
 }
 
 impl PerLightShader {
-    /// Direct irradiance, lux per channel, as far as it is known; rays to the lights that are disputed or give much wait for
-    /// [`PerLightShader::shoot`].
+    /// Returns Σ V̂_i c_i, lux per channel, less what the queued rays will replace; [`PerLightShader::trace`] adds what
+    /// they find.
     #[inline(always)]
-    pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, care: SamplingPolicy) -> Vec3 {
-        let LightCutVisibility { lights, estimate: agreement, .. } = lit.lights;
+    pub(super) fn sample_by_policy<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, policy: SamplingPolicy) -> Vec3 {
+        // Sum what is certain, and all light without shadows.
+        let LightCutVisibility { lights, estimate, .. } = shaded.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, total) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
+        let (mut sum, total) = terms.evaluate(simd, lights, &shaded.receiver(), &estimate.certain);
 
-        let (quantum, much) = (care.step * total, care.always_above[usize::from(agreement.near_occluder)] * total);
-        // How much doubt, and how much of what is agreed about, goes by until the next ray.
-        let mut next_doubt = None;
-        let mut next = if care.agreement == TrustAgreement::Yes { f32::INFINITY } else { much * lit.random(1) };
-        let mut dispute = 0;
-        for (at, (block, &disputed)) in terms.blocks().iter().zip(agreement.partial()).enumerate() {
-            let first = at * LANES;
-            let mut agreed = block.contribution;
+        let step = policy.step * total;
+        let always_above = policy.always_above[usize::from(estimate.near_occluder)] * total;
+        // How much of the uncertain, and how much of the certain light passes until the next ray.
+        let mut next_uncertain = None;
+        let mut next_certain = match policy.agreement {
+            TrustAgreement::Yes => f32::INFINITY,
+            TrustAgreement::Unbiased => always_above * shaded.random(1),
+        };
+        let mut number = 0;
+        for (block_index, (block, &partial)) in terms.blocks().iter().zip(estimate.partial()).enumerate() {
+            let first_lane = block_index * LANES;
+            let mut certain = block.contribution;
 
-            // What is disputed: a ray to each light that matters; of the others one for every quantum of doubt.
-            let singles = disputed | block.towards_occluder;
+            // Add the partial lights, and queue a ray to each that matters; of the others one for every step.
+            let singles = partial | block.towards_occluder;
             for i in set_bits::<LANES>(singles) {
-                let is_disputed = disputed >> i & 1 != 0;
-                let number = dispute;
-                dispute += usize::from(is_disputed);
-                let mass = block.contributions[i];
-                if mass <= 0.0 {
+                let is_partial = partial >> i & 1 != 0;
+                let partial_number = number;
+                number += usize::from(is_partial);
+                let contribution = block.contributions[i];
+                if contribution <= 0.0 {
                     continue;
                 }
-                agreed -= mass;
-                let c = lights.intensity(first + i) * block.factors[i];
-                let (v, doubt) = if is_disputed {
-                    let v = agreement.estimate(number);
+                certain -= contribution;
+                let c = lights.intensity(first_lane + i) * block.factors[i];
+                let (v, uncertainty) = if is_partial {
+                    let v = estimate.estimate(partial_number);
                     sum += c * v;
-                    (v, 2.0 * mass * (v * (1.0 - v)).sqrt())
+                    (v, 2.0 * contribution * (v * (1.0 - v)).sqrt())
                 } else {
-                    (agreement.certain[first + i], mass)
+                    (estimate.certain[first_lane + i], contribution)
                 };
                 let mut scale = 1.0;
-                if doubt < quantum {
-                    let next = next_doubt.get_or_insert_with(|| quantum * lit.random(0));
-                    *next -= doubt;
+                if uncertainty < step {
+                    let next = next_uncertain.get_or_insert_with(|| step * shaded.random(0));
+                    *next -= uncertainty;
                     if *next >= 0.0 {
                         continue;
                     }
-                    *next += quantum;
-                    scale = quantum / doubt;
+                    *next += step;
+                    scale = step / uncertainty;
                 }
-                sum -= self.queue_shadow_ray(lit, block, (first, i), (c * scale, scale), (v, 0, Some(doubt / quantum)));
+                let in_cluster = ClusterSampling::Some { rays: uncertainty / step };
+                let request = ShadowRequest { block, first_lane, i, weight: c * scale, scale, expected: v, in_cluster };
+                sum -= self.queue_shadow_ray(shaded, request);
             }
 
-            // What is agreed about: a ray to each light that gives much; of the others, where nobody is believed, one for each
-            // such part of the light.
-            let giving = block.giving(simd, much) & !singles;
-            if giving == 0 && agreed <= next {
-                next -= agreed;
+            // Queue a ray to each certain light that gives much; where agreement is not trusted, of the others one for
+            // each such part of the light.
+            let giving = block.giving(simd, always_above) & !singles;
+            if giving == 0 && certain <= next_certain {
+                next_certain -= certain;
                 continue;
             }
-            let looked_at = if care.agreement == TrustAgreement::Yes { giving } else { !singles & ((1 << LANES) - 1) };
-            for i in set_bits::<LANES>(looked_at) {
-                let mass = block.contributions[i];
-                if mass <= 0.0 {
+            let candidates = match policy.agreement {
+                TrustAgreement::Yes => giving,
+                TrustAgreement::Unbiased => !singles & ((1 << LANES) - 1),
+            };
+            for i in set_bits::<LANES>(candidates) {
+                let contribution = block.contributions[i];
+                if contribution <= 0.0 {
                     continue;
                 }
                 let mut scale = 1.0;
-                if mass < much {
-                    next -= mass;
-                    if next >= 0.0 {
+                if contribution < always_above {
+                    next_certain -= contribution;
+                    if next_certain >= 0.0 {
                         continue;
                     }
-                    next += much;
-                    scale = much / mass;
+                    next_certain += always_above;
+                    scale = always_above / contribution;
                 }
-                let c = lights.intensity(first + i) * block.factors[i];
-                sum -= self.queue_shadow_ray(
-                    lit,
-                    block,
-                    (first, i),
-                    (c * scale, scale),
-                    (agreement.certain[first + i], 0, Some(mass / much)),
-                );
+                let c = lights.intensity(first_lane + i) * block.factors[i];
+                let expected = estimate.certain[first_lane + i];
+                let in_cluster = ClusterSampling::Some { rays: contribution / always_above };
+                let request = ShadowRequest { block, first_lane, i, weight: c * scale, scale, expected, in_cluster };
+                sum -= self.queue_shadow_ray(shaded, request);
             }
         }
         self.terms = terms;
         sum
     }
 
-    /// Lets a ray to a light of a block wait. `weight` is what the light gives, times `scale`; it has been `expected` to this part. What
-    /// the ray is for is weight · (V − expected) in the mean: of a cluster one light j is asked, chosen with probability p_j by the k-th
-    /// random number for it, and c_j scale V_j / p_j takes the place of weight · V, without bias. If it is said how many rays it is `worth`,
-    /// some lights are asked, and (V_j − expected) c_j scale / p_j is taken: where V is as expected there is no noise, and what is off is what the
-    /// cluster's unshadowed light is off. What must be subtracted at once is returned.
+    /// Queues a ray whose result will be weight · (V − expected) in the mean; to a cluster, rays to some of its lights
+    /// j, each chosen with a probability p_j, with c_j scale / p_j in place of the weight. Returns what is to be
+    /// subtracted from the sum at once: weight · expected, where the rays only bring weight · V.
     #[inline(always)]
-    fn queue_shadow_ray(
-        &mut self,
-        lit: &Shaded<'_>,
-        block: &BlockTerms,
-        (first, i): (usize, usize),
-        (weight, scale): (Vec3, f32),
-        (expected, k, worth): (f32, u32, Option<f32>),
-    ) -> Vec3 {
-        let LightCutVisibility { lights, clusters, .. } = lit.lights;
+    fn queue_shadow_ray(&mut self, shaded: &Shaded<'_>, request: ShadowRequest<'_>) -> Vec3 {
+        let ShadowRequest { block, first_lane, i, weight, scale, expected, in_cluster } = request;
+        let LightCutVisibility { lights, clusters, .. } = shaded.lights;
+        // Of a cluster, choose single lights.
         if let Some(clusters) = clusters
-            && let Some(node) = clusters.node(first + i)
+            && let Some(node) = clusters.node(first_lane + i)
         {
-            let rays = worth.unwrap_or(1.0).clamp(1.0, RAYS_PER_CLUSTER.min(clusters.count(node) as f32)).round();
-            let u = lit.random_in(node, k);
-            for ray in 0..rays as u32 {
-                let chosen = clusters.choose(node, (ray as f32 + u) / rays);
-                match worth {
-                    Some(_) => self.queue_cluster_ray(lit, chosen, scale / rays, expected),
-                    None => self.queue_cluster_ray(lit, chosen, scale, 0.0),
+            match in_cluster {
+                ClusterSampling::Some { rays } => {
+                    let rays = rays.clamp(1.0, RAYS_PER_CLUSTER.min(clusters.count(node) as f32)).round();
+                    let u = shaded.random_in(node, 0);
+                    for ray in 0..rays as u32 {
+                        let light = clusters.choose(node, (ray as f32 + u) / rays);
+                        self.queue_cluster_ray(shaded, light, scale / rays, expected);
+                    }
+                    return Vec3::ZERO;
+                }
+                ClusterSampling::One { k } => {
+                    let light = clusters.choose(node, shaded.random_in(node, k));
+                    self.queue_cluster_ray(shaded, light, scale, 0.0);
+                    return weight * expected;
                 }
             }
-            return if worth.is_some() { Vec3::ZERO } else { weight * expected };
         }
-        self.rays.push(lights.shadow_ray(first + i, lit.origin_towards(block.direction(i))));
-        self.queue.push(QueuedRay { weight, expected, surface: lit.surface });
+
+        // A single light: trace it.
+        self.rays.push(lights.shadow_ray(first_lane + i, shaded.origin_towards(block.direction(i))));
+        self.queue.push(QueuedRay { weight, expected, surface: shaded.surface });
         Vec3::ZERO
     }
 
-    /// Lets a ray wait to one of the scene's samples, chosen with a probability, of a cluster.
-    fn queue_cluster_ray(&mut self, lit: &Shaded<'_>, (lane, p): (usize, f32), scale: f32, expected: f32) {
-        let ShadingPoint { position, n, .. } = *lit.vertex;
-        let samples = lit.scene.lights();
-        let Some(luminaire) = samples.sample(lane) else { return };
-        let (direction, f) = luminaire.arriving(lit.falloff, position);
-        let c = luminaire.intensity * (f * n.dot(direction).max(0.0));
+    /// Queues a ray to a light of a cluster.
+    fn queue_cluster_ray(&mut self, shaded: &Shaded<'_>, light: ClusterLight, scale: f32, expected: f32) {
+        let ClusterLight { lane, p } = light;
+        let ShadingPoint { position, n, .. } = *shaded.vertex;
+        let samples = shaded.scene.lights();
+        // Compute the sample's own light, and drop it where it gives none.
+        let Some(sample) = samples.sample(lane) else { return };
+        let (direction, f) = sample.arriving(shaded.falloff, position);
+        let c = sample.intensity * (f * n.dot(direction).max(0.0));
         if c == Vec3::ZERO || p <= 0.0 {
             return;
         }
-        self.rays.push(samples.shadow_ray(lane, lit.origin_towards(direction)));
-        self.queue.push(QueuedRay { weight: c * (scale / p), expected, surface: lit.surface });
+        self.rays.push(samples.shadow_ray(lane, shaded.origin_towards(direction)));
+        self.queue.push(QueuedRay { weight: c * (scale / p), expected, surface: shaded.surface });
     }
 
-    /// Whether so many rays wait that they should be shot.
+    /// Returns whether the queue is so long that it should be traced.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
         self.rays.len() >= RAYS
     }
 
-    /// Shoots the rays that wait and adds what they find to the irradiance of their surfaces, lux; how many they were.
-    pub(crate) fn shoot(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
+    /// Traces the queued rays and adds what they find to the irradiance of their surfaces, lux; returns how many they
+    /// were.
+    pub(super) fn trace(&mut self, scene: &Scene, irradiance: &mut [Vec3]) -> u64 {
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
         for (&QueuedRay { weight, expected, surface }, &v) in self.queue.iter().zip(&self.visible) {
             irradiance[surface as usize] += weight * (v - expected);

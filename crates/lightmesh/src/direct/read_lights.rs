@@ -1,96 +1,114 @@
-//! Reading the direct field light by light: what the points around a surface know of single lights, or of clusters.
+//! Reading the direct field light by light: the visibility of single lights, or of clusters, at the points around a
+//! surface.
 
+use super::encoding::{DirectEncoding, LightStates, PerLight};
 use super::read::DirectReader;
 use super::region_visibility::LightCutVisibility;
+use super::visibility_estimate::CellCorners;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{Marks, ReadResult, set_bits as corners_of};
+use crate::mesh::{Marks, ReadResult, corners_of};
 
-/// What a vertex finds in the direct mesh about single lights. [`DirectReader::lights`] has what it is.
+/// The result of reading single lights at a vertex; [`DirectReader::lights`] has the lights themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LightsReading {
-    /// The points of the neighbourhood know something.
+    /// There is a visibility estimate.
     Known,
-    /// No point of the neighbourhood can be used, but lights are clusters: those around the vertex, of which nothing is known.
+    /// No point of D_y can be used, but lights are clusters: those around the vertex, without an estimate.
     Unknown,
-    /// No point of the neighbourhood can be used.
+    /// No point of D_y can be used.
     Nothing,
     /// Points are missing; they have been marked.
     Pending,
 }
 
 impl DirectReader<'_> {
-    /// What the points of D_y know of each light; points that are still empty are marked. The field must have been made for a method
-    /// that asks.
+    /// Estimates the visibility of each light from the points of D_y; points that are still empty are marked. The field
+    /// must have been made for a method that keeps lights one by one.
     #[inline(always)]
     pub(crate) fn read_lights(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
-        if !self.reader.reads_cells() {
+        // Find the corners.
+        if !self.cached.reader.reads_cells() {
             return self.read_points_by_light(vertex, marks);
         }
-        let seen = match self.reader.corners(vertex, marks) {
-            Ok(seen) => seen,
+        let visible = match self.cached.reader.corners(vertex, marks) {
+            Ok(visible) => visible,
             Err(ReadResult::Pending) => return LightsReading::Pending,
             Err(_) => return self.unknown(vertex),
         };
-        if seen.refined > 0.0 {
+        if visible.refined > 0.0 {
             return self.read_points_by_light(vertex, marks);
         }
         self.enter_region(vertex);
-        let Self { field, reader, estimate: agreement, near, rows, .. } = self;
+        let Self { field, cached, estimate, region, rows, .. } = self;
+        let reader = &cached.reader;
+
         // Lights beyond corners that are missing are beyond what hides these.
-        (agreement.occluder_direction, agreement.near_occluder) =
+        (estimate.occluder_direction, estimate.near_occluder) =
             (reader.towards_missing(vertex), reader.has_near_occluder());
-        let voters = (reader.visits(), seen.mask);
-        match (&field.bits, &field.runs, near) {
-            (Some(bits), ..) => agreement.set_corners(bits, voters, &seen.weights, |k| reader.index(k)),
-            (None, Some(runs), Some(near)) => {
-                if !agreement.knows(voters) {
-                    for k in corners_of(seen.mask) {
-                        rows[k] = near.row(runs, reader.index(k));
+
+        // Estimate from the corners' states.
+        let DirectEncoding::PerLight(PerLight { states, .. }) = &field.encoding else { return LightsReading::Nothing };
+        let corners = CellCorners { visit: reader.visits(), mask: visible.mask };
+        match (states, region) {
+            (LightStates::Bits(bits), _) => {
+                estimate.set_corners(bits, corners, &visible.weights, |k| reader.index(k));
+            }
+            (LightStates::Runs(runs), Some(region)) => {
+                if !estimate.is_from(corners) {
+                    for k in corners_of(visible.mask) {
+                        rows[k] = region.row(runs, reader.index(k));
                     }
                 }
-                agreement.set_corners(near.bits(), voters, &seen.weights, |k| rows[k]);
+                estimate.set_corners(region.bits(), corners, &visible.weights, |k| rows[k]);
             }
-            _ => return LightsReading::Nothing,
+            (LightStates::Runs(_), None) => return LightsReading::Nothing,
         }
         LightsReading::Known
     }
 
+    /// [`Self::read_lights`] point by point.
     #[cold]
     fn read_points_by_light(&mut self, vertex: &ShadingPoint, marks: &Marks) -> LightsReading {
+        // List the points.
         let mut points = Vec::new();
-        match self.reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
+        match self.cached.reader.read(vertex, marks, |index, weight| points.push((index, weight))) {
             ReadResult::Value => {}
             ReadResult::Unavailable => return self.unknown(vertex),
             ReadResult::Pending => return LightsReading::Pending,
         }
+
+        // Estimate from their states.
         self.enter_region(vertex);
-        let Self { field, reader, estimate: agreement, near, .. } = self;
-        (agreement.occluder_direction, agreement.near_occluder) =
+        let Self { field, cached, estimate, region, .. } = self;
+        let reader = &cached.reader;
+        (estimate.occluder_direction, estimate.near_occluder) =
             (reader.towards_missing(vertex), reader.has_near_occluder());
-        match (&field.bits, &field.runs, near) {
-            (Some(bits), ..) => agreement.set_points(bits, &points),
-            (None, Some(runs), Some(near)) => {
+        let DirectEncoding::PerLight(PerLight { states, .. }) = &field.encoding else { return LightsReading::Nothing };
+        match (states, region) {
+            (LightStates::Bits(bits), _) => estimate.set_points(bits, &points),
+            (LightStates::Runs(runs), Some(region)) => {
                 for (point, _) in &mut points {
-                    *point = near.row(runs, *point);
+                    *point = region.row(runs, *point);
                 }
-                agreement.set_points(near.bits(), &points);
+                estimate.set_points(region.bits(), &points);
             }
-            _ => return LightsReading::Nothing,
+            (LightStates::Runs(_), None) => return LightsReading::Nothing,
         }
         LightsReading::Known
     }
 
-    /// Makes the lights of the vertex' region those that are asked about, where they are clusters.
+    /// Makes the estimate one of the lights of the vertex' region, where lights are clusters.
     #[inline(always)]
     fn enter_region(&mut self, vertex: &ShadingPoint) {
-        if let Some(lanes) = self.near.as_mut().and_then(|near| near.enter(vertex.position)) {
+        if let Some(lanes) = self.region.as_mut().and_then(|region| region.enter(vertex.position)) {
             self.estimate.restart(lanes);
         }
     }
 
+    /// Returns the reading of a vertex without a usable point.
     #[cold]
     fn unknown(&mut self, vertex: &ShadingPoint) -> LightsReading {
-        if self.near.is_none() {
+        if self.region.is_none() {
             return LightsReading::Nothing;
         }
         self.enter_region(vertex);
@@ -98,11 +116,11 @@ impl DirectReader<'_> {
         LightsReading::Unknown
     }
 
-    /// The lights that the last reading was about, and what is known of them.
+    /// Returns the lights that were read last, with their visibility estimate.
     #[inline(always)]
     pub(crate) fn lights(&self) -> LightCutVisibility<'_> {
-        match &self.near {
-            Some(near) => near.visibility(&self.estimate),
+        match &self.region {
+            Some(region) => region.visibility(&self.estimate),
             None => LightCutVisibility { lights: self.samples, clusters: None, estimate: &self.estimate },
         }
     }

@@ -1,19 +1,20 @@
-//! Unshadowed light from many lights: regions of space, each with a cut through the light tree that all surface points in it share.
+//! Unshadowed light from many lights: regions of space, each with a cut through the light tree that all surface points
+//! in it share.
 //!
-//! A region is a cell of a regular grid over the scene's box. Its cut depends on region, scene and settings alone; it is made when
-//! a surface first asks for it, and kept as node numbers, 4 B each: luminaires are packed into blocks when they are used, once for
-//! all vertices of a wave that lie in the region.
+//! A region is a cell of a regular grid over the scene's box. Its cut depends on region, scene and settings alone; it
+//! is made when a surface first needs it, and kept as node numbers, 4 B each: lights are packed into blocks when they
+//! are used, once for all vertices of a wave that lie in the region.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::visibility_runs::MOST_LEAVES;
+use super::encoding::MOST_LEAVES;
 use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, RenderOptions, Scene};
 
-/// Up to so many samples are summed one by one: that takes less time than a cut through more would.
+/// Up to this number of samples, light is summed one by one: that takes less time than a cut through more would.
 const FEW: usize = 512;
 
 /// Regions along the longest edge of the scene's box.
@@ -45,15 +46,18 @@ pub(super) type Region = u64;
 
 impl RegionCuts {
     /// # Errors
-    /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into `options.limits.max_memory`.
+    /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
+    /// `options.limits.max_memory`.
     pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
+        // Build a tree if there are many lights and it fits into memory.
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
         let tree =
             match options.method.has_mesh() && options.transport.light_error > 0.0 && many.contains(&samples.len()) {
                 false => None,
                 true => {
-                    // Blocks of the packed lights, the front and its successor; their terms, and what some two hundred points say.
+                    // Blocks of the packed lights, the front and its successor; their terms, and their states at some two
+                    // hundred points.
                     let bytes_per_light = if options.method.knows_lights() { 256 } else { 128 };
                     let threads = rayon::current_num_threads() as u64;
                     let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
@@ -68,6 +72,8 @@ impl RegionCuts {
                     Some(LightTree::new(samples))
                 }
             };
+
+        // Divide the scene's box into regions.
         let bounds = scene.bounds();
         Ok(Self {
             tree,
@@ -81,17 +87,17 @@ impl RegionCuts {
         })
     }
 
-    /// Whether there are so many lights that nodes of a tree stand for them.
+    /// Returns whether nodes of a tree stand for the lights, as there are many.
     pub(crate) fn has_clusters(&self) -> bool {
         self.tree.is_some()
     }
 
-    /// Memory of the cuts, bytes.
+    /// Returns the memory of the cuts, bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.kept_bytes
     }
 
-    /// The lights as single places see them.
+    /// Returns the lights as single points receive them.
     pub(crate) fn at<'a>(&'a self, scene: &'a Scene) -> LightCut<'a> {
         match &self.tree {
             Some(tree) => LightCut::cut(scene.lights(), tree, self.error),
@@ -99,42 +105,43 @@ impl RegionCuts {
         }
     }
 
-    /// Unshadowed irradiance per channel, lux, on surface points `(position, unit normal)`: Σ of formula (2). Cuts that are made for it
-    /// are kept.
+    /// Returns the unshadowed irradiance per channel, lux, on surface points `(position, unit normal)`: Σ of formula
+    /// (2). Cuts that are made for it are kept.
     pub(crate) fn irradiance(&mut self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
         let order = self.order(points);
         self.keep_cuts(falloff, &order);
         self.sum(scene, falloff, points, &order)
     }
 
-    /// Makes the cuts of the regions of some surface points ahead of those who read.
+    /// Makes the cuts of the regions of some surface points, before readers share them.
     pub(crate) fn prepare(&mut self, falloff: Falloff, points: &[(Vec3, Vec3)]) {
         let order = self.order(points);
         self.keep_cuts(falloff, &order);
     }
 
-    /// [`RegionCuts::irradiance`] for those who only read.
+    /// [`RegionCuts::irradiance`] without keeping cuts.
     pub(crate) fn read_irradiance(&self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
         self.sum(scene, falloff, points, &self.order(points))
     }
 
-    /// Of sums without shadows. Where lights are known one by one, noise counted as at mesh points (0.3) would bring 1.46 instead of 1.65%
-    /// error (paper5000_10000, `hybrid`, 1/80) with 2.5 times the memory, and take twice as long.
+    /// Returns the tolerance of sums without shadows. Where lights are kept one by one, noise counted as at mesh points
+    /// (0.3) would bring 1.46 instead of 1.65% error (a room of 10,000 lights, `hybrid`, 1/80) with 2.5 times the
+    /// memory, and take twice as long.
     fn tolerance(&self) -> Tolerance {
         Tolerance { error: self.error, shadows: 0.0 }
     }
 
-    /// How many leaves the tree has; 0 where there is none.
+    /// Returns how many leaves the tree has; 0 where there is none.
     pub(crate) fn leaf_count(&self) -> u32 {
         self.tree.as_ref().map_or(0, |tree| tree.len() as u32)
     }
 
-    /// The tree over the lights, if there is one.
+    /// Returns the tree over the lights, if there is one.
     pub(super) fn tree(&self) -> Option<&LightTree> {
         self.tree.as_ref()
     }
 
-    /// The cut of a region: the one that is kept, or one that is made in the buffers. There must be a tree.
+    /// Returns the cut of a region: the one that is kept, or one that is made in the buffers. There must be a tree.
     pub(super) fn cut<'a>(
         &'a self,
         region: Region,
@@ -152,22 +159,24 @@ impl RegionCuts {
         cut
     }
 
-    /// The region of a place.
+    /// Returns the region of a position.
     pub(crate) fn region(&self, p: Vec3) -> Region {
         let cell = ((p - self.origin) / self.edge).clamp(Vec3::ZERO, Vec3::splat(((1 << 21) - 1) as f32)).as_u64vec3();
         cell.x | cell.y << 21 | cell.z << 42
     }
 
-    /// The middle of a region, metres.
+    /// Returns the middle of a region, metres.
     pub(super) fn centre(&self, region: Region) -> Vec3 {
         self.corner(region) + 0.5 * self.edge
     }
 
+    /// Returns the lower corner of a region, metres.
     fn corner(&self, region: Region) -> Vec3 {
         let cell = [region, region >> 21, region >> 42].map(|c| (c & ((1 << 21) - 1)) as f32);
         self.origin + Vec3::from_array(cell) * self.edge
     }
 
+    /// Returns the surfaces that a region may have.
     fn receivers(&self, region: Region) -> Receivers {
         let min = self.corner(region);
         // Positions are rounded.
@@ -175,7 +184,7 @@ impl RegionCuts {
         Receivers::within(min - slack, min + self.edge + slack)
     }
 
-    /// Points with their regions, region by region; nothing where there are none.
+    /// Returns the points with their regions, region by region; nothing where there are no regions.
     fn order(&self, points: &[(Vec3, Vec3)]) -> Vec<(Region, u32)> {
         if self.tree.is_none() {
             return Vec::new();
@@ -187,6 +196,7 @@ impl RegionCuts {
 
     /// Makes the cuts that are missing, as many as may be kept.
     fn keep_cuts(&mut self, falloff: Falloff, order: &[(Region, u32)]) {
+        // Drop the cuts of another falloff.
         if self.falloff != falloff {
             self.cuts.clear();
             (self.falloff, self.kept_bytes) = (falloff, 0);
@@ -194,7 +204,7 @@ impl RegionCuts {
         let Some(tree) = &self.tree else { return };
         let regions = order.chunk_by(|a, b| a.0 == b.0).map(|group| group[0].0);
         let missing: Vec<Region> = regions.filter(|region| !self.cuts.contains_key(region)).collect();
-        // A cut is never more than all leaves.
+        // Make as many as may be kept: a cut is never more than all leaves.
         let longest = tree.len() as u64 * size_of::<u32>() as u64;
         let mut missing = missing.as_slice();
         while !missing.is_empty() {
@@ -217,7 +227,9 @@ impl RegionCuts {
         }
     }
 
+    /// Returns the unshadowed irradiance of points in some order of their regions.
     fn sum(&self, scene: &Scene, falloff: Falloff, points: &[(Vec3, Vec3)], order: &[(Region, u32)]) -> Vec<Vec3> {
+        // Without a tree, sum over all lights.
         let level = scene.simd_level();
         let Some(tree) = &self.tree else {
             let mut sums = vec![Vec3::ZERO; points.len()];
@@ -227,6 +239,8 @@ impl RegionCuts {
             });
             return sums;
         };
+
+        // Pack the lights of each region once, and sum over them at its points.
         let groups: Vec<_> = order.chunk_by(|a, b| a.0 == b.0).collect();
         let by_group: Vec<Vec<Vec3>> = groups
             .par_iter()

@@ -1,4 +1,4 @@
-//! Surface points that want light, and the direct light that they get: from exact shadow rays or from the direct mesh.
+//! Batches of surface points and their direct light: from exact shadow rays or from the direct mesh.
 
 use std::time::Instant;
 
@@ -6,11 +6,11 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::exact::Scratch;
+use super::exact::ExactShader;
 use super::field::DirectField;
 use super::per_light::{PerLightShader, Shaded};
 use super::plan::{LightingPlan, Shading};
-use super::read::{DirectReader, Reading};
+use super::read::Reading;
 use super::read_lights::LightsReading;
 use crate::interaction::ShadingPoint;
 use crate::light::{LightCut, LightSamples};
@@ -19,18 +19,19 @@ use crate::progress::Reporter;
 use crate::sampling::seed_of_position;
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
-/// Shadow rays of unbiased light to clusters, at least, from a surface that no mesh point knows about. Empirical, not varied: few are.
+/// The least number of shadow rays of *unbiased* to clusters, from a surface without a usable mesh point. Empirical,
+/// not varied: there are few.
 const FALLBACK_RAYS: u32 = 64;
 
-/// A list of vertices and their direct irradiance; buffers are kept from use to use.
+/// Vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(crate) struct ShadingBatch {
     pub vertices: Vec<ShadingPoint>,
     /// Direct irradiance of each vertex, lux.
     pub direct: Vec<Vec3>,
-    /// Vertices that the mesh has not answered yet.
+    /// Vertices that have not been shaded yet.
     waiting: Vec<u32>,
-    scratch: Scratch,
+    exact: ExactShader,
     per_light: PerLightShader,
     shadow_rays: u64,
     visibility_rays: u64,
@@ -38,32 +39,34 @@ pub(crate) struct ShadingBatch {
 }
 
 impl ShadingBatch {
-    /// A shadow ray to each of the light samples from every vertex.
+    /// Shades every vertex with a shadow ray to each of the light samples.
     pub(crate) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
         self.direct.clear();
         let lights = LightCut::all(lights);
         for vertex in &self.vertices {
-            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, vertex);
+            let (irradiance, rays) = self.exact.irradiance(scene, &lights, falloff, vertex);
             self.direct.push(irradiance);
             self.shadow_rays += rays;
         }
         self.waiting.clear();
     }
 
-    /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that face any light wait to be shaded.
+    /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that receive any light
+    /// wait to be shaded.
     fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
         let vertices = self.vertices.iter().map(|vertex| (vertex.position, vertex.n));
         scene.lights().irradiance(scene.simd_level(), falloff, vertices, &mut self.direct);
         self.await_lit();
     }
 
-    /// Takes the same sums.
-    fn take_unshadowed(&mut self, sums: &[Vec3]) {
+    /// [`Self::sum_unshadowed`] with sums that have been computed.
+    fn set_unshadowed(&mut self, sums: &[Vec3]) {
         self.direct.clear();
         self.direct.extend_from_slice(sums);
         self.await_lit();
     }
 
+    /// Lets the vertices that receive any light wait to be shaded.
     fn await_lit(&mut self) {
         self.waiting.clear();
         let lit = |&i: &u32| self.direct[i as usize] != Vec3::ZERO;
@@ -78,27 +81,22 @@ impl ShadingBatch {
         self.waiting.extend(0..self.vertices.len() as u32);
     }
 
-    /// Formula (2) times formula (3g) for the vertices that wait; those whose mesh points are empty mark them and go on
-    /// waiting.
-    fn shade_by_mesh(
-        &mut self,
-        scene: &Scene,
-        falloff: Falloff,
-        field: &DirectField,
-        marks: &Marks,
-        sight: CornerVisibility,
-    ) {
-        let mut reader = field.reader(scene, sight);
+    /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them
+    /// and stay in the list.
+    fn shade_by_mesh(&mut self, context: MeshContext<'_>) {
+        let MeshContext { scene, falloff, field, marks, visibility } = context;
+        let mut reader = field.reader(scene, visibility);
         let mut lights = field.lights().at(scene);
-        let Self { waiting, vertices, direct, scratch, shadow_rays, fallbacks, .. } = self;
+        let Self { waiting, vertices, direct, exact, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
             match reader.read(vertex, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
+                // Without a usable point, shade exactly.
                 Reading::Unavailable => {
                     lights.set_receiver(vertex.position, falloff);
-                    let (exact, rays) = scratch.irradiance(scene, &lights, falloff, vertex);
-                    *irradiance = exact;
+                    let (sum, rays) = exact.irradiance(scene, &lights, falloff, vertex);
+                    *irradiance = sum;
                     *shadow_rays += rays;
                     *fallbacks += 1;
                 }
@@ -109,43 +107,33 @@ impl ShadingBatch {
         self.visibility_rays += reader.visibility_rays();
     }
 
-    /// The same, light by light.
-    fn shade_per_light(
-        &mut self,
-        scene: &Scene,
-        falloff: Falloff,
-        field: &DirectField,
-        marks: &Marks,
-        (shading, sight): (Shading, CornerVisibility),
-    ) {
-        let sight = match (shading, sight) {
+    /// Shades the vertices that wait light by light; those whose mesh points are empty mark them and stay in the list.
+    fn shade_per_light(&mut self, context: MeshContext<'_>, shading: Shading) {
+        let visibility = match (shading, context.visibility) {
             (Shading::PerLight { .. }, CornerVisibility::All) => CornerVisibility::Deferred { finer: true },
             (_, CornerVisibility::Stochastic) => CornerVisibility::Deferred { finer: false },
-            _ => sight,
+            (_, visibility) => visibility,
         };
-        let reader = field.reader(scene, sight);
-        dispatch!(scene.simd_level(), simd => self.shade_per_light_simd(simd, scene, falloff, (field, reader, marks), shading));
+        let context = MeshContext { visibility, ..context };
+        dispatch!(context.scene.simd_level(), simd => self.shade_per_light_simd(simd, context, shading));
     }
 
     #[inline(always)]
-    fn shade_per_light_simd<S: Simd>(
-        &mut self,
-        simd: S,
-        scene: &Scene,
-        falloff: Falloff,
-        (field, mut reader, marks): (&DirectField, DirectReader<'_>, &Marks),
-        shading: Shading,
-    ) {
+    fn shade_per_light_simd<S: Simd>(&mut self, simd: S, context: MeshContext<'_>, shading: Shading) {
+        let MeshContext { scene, falloff, field, marks, visibility } = context;
+        let mut reader = field.reader(scene, visibility);
         let clusters = field.lights().has_clusters();
-        let (every, mut lights) = (LightCut::all(scene.lights()), field.lights().at(scene));
-        let Self { waiting, vertices, direct, scratch, per_light: by_light, shadow_rays, fallbacks, .. } = self;
+        let (all, mut cut) = (LightCut::all(scene.lights()), field.lights().at(scene));
+        let Self { waiting, vertices, direct, exact, per_light, shadow_rays, fallbacks, .. } = self;
+
+        // Sort by region, where there are regions: neighbours share its lights.
         if clusters {
-            // Neighbours share what is known of a region.
             waiting.sort_by_cached_key(|&i| (field.lights().region(vertices[i as usize].position), i));
         }
         let mut kept = 0;
-        for at in 0..waiting.len() {
-            let surface = waiting[at];
+        for i in 0..waiting.len() {
+            // Read the mesh; a vertex whose points are missing stays in the list.
+            let surface = waiting[i];
             let vertex = &vertices[surface as usize];
             let reading = reader.read_lights(vertex, marks);
             if reading == LightsReading::Pending {
@@ -153,7 +141,9 @@ impl ShadingBatch {
                 kept += 1;
                 continue;
             }
-            let lit = |seed| Shaded {
+
+            // Shade, and queue shadow rays.
+            let shaded = |seed| Shaded {
                 scene,
                 falloff,
                 vertex,
@@ -163,42 +153,42 @@ impl ShadingBatch {
                 origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {
-                (LightsReading::Known, Shading::PerLight { care, seed }) => {
-                    by_light.sample_by_policy(simd, &lit(seed), care)
+                (LightsReading::Known, Shading::PerLight { policy, seed }) => {
+                    per_light.sample_by_policy(simd, &shaded(seed), policy)
                 }
-                // More rays than lights: each gets its own.
+                // With as many rays as lights, or more, each light gets its own.
                 (LightsReading::Known, Shading::Unbiased { rays, seed }) if (rays as usize) < scene.lights().len() => {
-                    by_light.unbiased(simd, &lit(seed), rays)
+                    per_light.sample_unbiased(simd, &shaded(seed), rays)
                 }
-                // Clusters, each as one light, would not be the truth.
+                // Clusters, each as one light, would be biased.
                 (LightsReading::Unknown, Shading::Unbiased { rays, seed })
                     if (rays as usize) < scene.lights().len() =>
                 {
                     *fallbacks += 1;
-                    by_light.unbiased(simd, &lit(seed), rays.max(FALLBACK_RAYS))
+                    per_light.sample_unbiased(simd, &shaded(seed), rays.max(FALLBACK_RAYS))
                 }
                 (reading, _) => {
                     *fallbacks += u64::from(reading != LightsReading::Known);
                     let by_cut = clusters && matches!(shading, Shading::PerLight { .. });
                     if by_cut {
-                        lights.set_receiver(vertex.position, falloff);
+                        cut.set_receiver(vertex.position, falloff);
                     }
-                    let seen = if by_cut { &lights } else { &every };
-                    let (exact, rays) = scratch.irradiance(scene, seen, falloff, vertex);
+                    let lights = if by_cut { &cut } else { &all };
+                    let (sum, rays) = exact.irradiance(scene, lights, falloff, vertex);
                     *shadow_rays += rays;
-                    exact
+                    sum
                 }
             };
-            if by_light.is_full() {
-                *shadow_rays += by_light.shoot(scene, direct);
+            if per_light.is_full() {
+                *shadow_rays += per_light.trace(scene, direct);
             }
         }
         waiting.truncate(kept);
-        *shadow_rays += by_light.shoot(scene, direct);
+        *shadow_rays += per_light.trace(scene, direct);
         self.visibility_rays += reader.visibility_rays();
     }
 
-    /// Rays since the last call of [`ShadingBatch::take_counts`].
+    /// Returns the rays since the last call of [`ShadingBatch::take_counts`].
     pub(crate) fn rays(&self) -> u64 {
         self.shadow_rays + self.visibility_rays
     }
@@ -211,7 +201,17 @@ impl ShadingBatch {
     }
 }
 
-/// The direct mesh and what lighting by it takes.
+/// What a batch is shaded with.
+#[derive(Clone, Copy)]
+struct MeshContext<'a> {
+    scene: &'a Scene,
+    falloff: Falloff,
+    field: &'a DirectField,
+    marks: &'a Marks,
+    visibility: CornerVisibility,
+}
+
+/// The direct mesh, and what shading by it needs.
 pub(crate) struct DirectLighting<'a, 'b> {
     pub scene: &'a Scene,
     pub options: &'a RenderOptions,
@@ -223,57 +223,63 @@ pub(crate) struct DirectLighting<'a, 'b> {
 }
 
 impl DirectLighting<'_, '_> {
-    /// Direct light at every vertex of the lists, from the mesh, which is filled as far as they ask for it. Rays of the fill
-    /// are added to the frame's; those of the rest stay with the lists.
+    /// Computes the direct light at every vertex of the batches; the mesh is filled as far as they need it. Rays of the
+    /// fill are added to the frame's; those of the rest stay with the batches.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn light(
+    pub(crate) fn shade(
         &mut self,
-        sight: CornerVisibility,
-        lists: &mut [&mut ShadingBatch],
-    ) -> Result<LightSeconds, Error> {
+        visibility: CornerVisibility,
+        batches: &mut [&mut ShadingBatch],
+    ) -> Result<ShadingSeconds, Error> {
+        // Compute what needs no mesh: exact light, or sums without shadows.
         let (scene, falloff) = (self.scene, self.options.transport.falloff);
-        let shading = self.plan.shading(sight);
+        let shading = self.plan.shading(visibility);
         let started = Instant::now();
-        let mut seconds = LightSeconds::default();
+        let mut seconds = ShadingSeconds::default();
         match shading {
-            Shading::Exact => lists.par_iter_mut().for_each(|list| list.shade_exactly(scene, scene.lights(), falloff)),
+            Shading::Exact => {
+                batches.par_iter_mut().for_each(|batch| batch.shade_exactly(scene, scene.lights(), falloff))
+            }
             Shading::PerLight { .. } | Shading::Unbiased { .. } => {
                 if self.field.lights().has_clusters() {
-                    let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
+                    let vertices = batches.iter().flat_map(|batch| &batch.vertices).map(|v| (v.position, v.n));
                     self.field.lights_mut().prepare(falloff, &vertices.collect::<Vec<_>>());
                 }
-                lists.iter_mut().for_each(|list| list.await_all());
+                batches.iter_mut().for_each(|batch| batch.await_all());
             }
             Shading::MeanVisibility if !self.field.lights().has_clusters() => {
-                lists.par_iter_mut().for_each(|list| list.sum_unshadowed(scene, falloff));
+                batches.par_iter_mut().for_each(|batch| batch.sum_unshadowed(scene, falloff));
             }
             Shading::MeanVisibility => {
-                let vertices = lists.iter().flat_map(|list| &list.vertices).map(|v| (v.position, v.n));
+                let vertices = batches.iter().flat_map(|batch| &batch.vertices).map(|v| (v.position, v.n));
                 let sums = self.field.lights_mut().irradiance(scene, falloff, &vertices.collect::<Vec<_>>());
                 let mut sums = sums.as_slice();
-                for list in lists.iter_mut() {
-                    list.take_unshadowed(sums.split_off(..list.vertices.len()).unwrap_or_default());
+                for batch in batches.iter_mut() {
+                    batch.set_unshadowed(sums.split_off(..batch.vertices.len()).unwrap_or_default());
                 }
             }
         }
         seconds.shade += started.elapsed().as_secs_f64();
+
         // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
         loop {
             let started = Instant::now();
-            let (field, marks) = (&*self.field, &*self.marks);
-            lists.par_iter_mut().for_each(|list| match shading {
+            let context = MeshContext { scene, falloff, field: self.field, marks: self.marks, visibility };
+            batches.par_iter_mut().for_each(|batch| match shading {
                 Shading::Exact => {}
-                Shading::MeanVisibility => list.shade_by_mesh(scene, falloff, field, marks, sight),
-                _ => list.shade_per_light(scene, falloff, field, marks, (shading, sight)),
+                Shading::MeanVisibility => batch.shade_by_mesh(context),
+                _ => batch.shade_per_light(context, shading),
             });
-            let waiting = lists.iter().any(|list| !list.waiting.is_empty());
+            let waiting = batches.iter().any(|batch| !batch.waiting.is_empty());
             let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
             *step += started.elapsed().as_secs_f64();
             if !waiting {
                 return Ok(seconds);
             }
+
+            // Fill the points that were marked.
             let started = Instant::now();
             let rays = self.field.fill(scene, self.marks)?;
             self.stats.rays += rays;
@@ -287,9 +293,9 @@ impl DirectLighting<'_, '_> {
     }
 }
 
-/// Where the time of [`DirectLighting::light`] went.
+/// Where the time of [`DirectLighting::shade`] went, seconds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct LightSeconds {
+pub(crate) struct ShadingSeconds {
     pub demand: f64,
     pub fill: f64,
     pub shade: f64,

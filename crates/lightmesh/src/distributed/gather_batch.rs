@@ -1,20 +1,20 @@
-//! Some points of the indirect mesh on their way, step by step, so that several processes can fill a mesh together: what
-//! [`IndirectField::fill`] does for all points, for some of them, with what others do in between.
+//! Filling some points of the indirect mesh step by step, so that several processes can fill a mesh together: what
+//! [`IndirectField::fill`] does for all points at once, with exchanges between processes in between.
 //!
-//! | step | here | needs of the others |
+//! | step | here | needs from the others |
 //! |---|---|---|
 //! | gather | rays from the points, and which points their hits read ([`GatherBatch::requests`]) | nothing |
 //! | light | the direct light where the rays end | the points of the direct mesh there |
 //! | bounce k | T_k, for k = 0 … N | T_{k−1} of the points that the hits read |
 //!
-//! Points that hits read are wanted in their turn, until no new ones come up. The values are those of a mesh that one process fills, bit for
-//! bit: they depend on the points alone.
+//! Points that hits read are requested in their turn, until there are no new ones. The values are those of a mesh that
+//! one process fills, bit for bit: they depend on the points alone.
 
 use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::direct::{DirectLighting, LightingPlan};
-use crate::indirect::{GatherRays, GatheredLight, IndirectField, POINTS_AT_ONCE, sphere_directions};
+use crate::indirect::{GatherRays, IndirectField, POINTS_AT_ONCE, PendingLight, sphere_directions};
 use crate::light_mesh::{IndirectSnapshot, LightMesh, PointCursor, Snapshot};
 use crate::mesh::{Address, BrickMask, Coordinate, CornerVisibility, PointRequests, requests};
 use crate::progress::Reporter;
@@ -24,18 +24,19 @@ use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage
 #[derive(Debug)]
 pub struct GatherBatch {
     /// A mesh of these points alone, which come first, and of those that their hits read.
-    pub(super) field: IndirectField,
+    field: IndirectField,
+    /// How many points are its own.
     own: usize,
-    /// Of its points, those inside solids.
-    pub(super) own_invalid: usize,
-    /// The rays, until they have light.
+    /// How many of the requested points are inside solids.
+    own_invalid: usize,
+    /// The rays, until their hits are lit.
     gathers: Vec<GatherRays>,
-    light: GatheredLight,
-    /// What it took so far.
+    pending: PendingLight,
+    /// Rays traced so far.
     pub rays: RayCounts,
 }
 
-/// The light T_k of some points after k reflections or fewer, that of lamps left out.
+/// The light T_k of some points after k reflections or fewer, without that which light samples stand for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BounceValues {
     /// Refinement and lattice coordinates of each point, ascending.
@@ -46,12 +47,12 @@ pub struct BounceValues {
 }
 
 impl BounceValues {
-    /// The points of several parts, which have none in common.
+    /// Merges the values of several batches, which have no point in common.
     pub fn merge<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut all: Vec<([u32; 4], &[f32])> = Vec::new();
         for part in parts.into_iter().filter(|part| !part.points.is_empty()) {
-            let one = part.values.len() / part.points.len();
-            all.extend(part.points.iter().copied().zip(part.values.chunks(one.max(1))));
+            let per_point = part.values.len() / part.points.len();
+            all.extend(part.points.iter().copied().zip(part.values.chunks(per_point.max(1))));
         }
         all.sort_unstable_by_key(|&(point, _)| point);
         Self {
@@ -62,11 +63,13 @@ impl BounceValues {
 }
 
 impl GatherBatch {
-    /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others and looks which
-    /// points their hits read. `mesh` only says how; it need not have any points.
+    /// Gathers for some points of the mesh: finds out which of them are inside solids, shoots the rays of the others
+    /// and finds the points that their hits read. `mesh` only gives lattices and settings; it need not have any
+    /// points.
     ///
     /// # Errors
-    /// [`Error::InvalidBricks`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    /// [`Error::InvalidBricks`] for bricks that the indirect mesh does not have, [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn new(
         scene: &Scene,
         options: &RenderOptions,
@@ -78,8 +81,9 @@ impl GatherBatch {
         mesh.check_compatible(options)?;
         let Some(field) = &mesh.indirect else {
             let what = "there is no indirect mesh without bounces".into();
-            return Err(Error::InvalidOption { option: "bounces", what });
+            return Err(Error::InvalidReflection { what });
         };
+        // Find out which points are inside solids.
         let mut field = field.without_points();
         let mut marks = field.points().marks();
         requests::mark(field.points(), bricks, &marks)?;
@@ -87,24 +91,25 @@ impl GatherBatch {
         let (own, own_invalid) = (field.points().len(), field.points().invalid_addresses().len());
         let reporter = Reporter::new(progress, Stage::Fill, own as u64);
 
+        // Shoot the rays of the others, and find the points that their hits read.
         let directions = sphere_directions(field.gather_rays);
         let mut gathers: Vec<GatherRays> = Vec::new();
-        let mut gathered = GatheredLight::default();
+        let mut pending = PendingLight::default();
         gathers.resize_with(own, GatherRays::default);
         for (batch, first) in gathers.chunks_mut(POINTS_AT_ONCE).zip((0..).step_by(POINTS_AT_ONCE)) {
-            field.shoot((scene, options), first, &directions, batch);
-            let linked = field.link(scene, &mut marks, batch, 0, &mut gathered)?;
+            field.shoot_rays(scene, options, first, &directions, batch);
+            let secondary = field.find_transfers(scene, &mut marks, batch, 0, &mut pending)?;
             let shot: u64 = batch.iter_mut().map(|gather| std::mem::take(&mut gather.rays)).sum();
-            (rays.secondary, rays.gather) = (rays.secondary + linked, rays.gather + shot);
-            reporter.add(batch.len() as u64, shot + linked);
+            (rays.secondary, rays.gather) = (rays.secondary + secondary, rays.gather + shot);
+            reporter.add(batch.len() as u64, shot + secondary);
             if reporter.cancelled() {
                 return Err(Error::Cancelled);
             }
         }
-        Ok(Self { field, own, own_invalid, gathers, light: gathered, rays })
+        Ok(Self { field, own, own_invalid, gathers, pending, rays })
     }
 
-    /// How many points it is for, those inside solids left out.
+    /// Returns how many points it fills, without those inside solids.
     pub fn len(&self) -> usize {
         self.own
     }
@@ -114,21 +119,25 @@ impl GatherBatch {
         self.own == 0
     }
 
-    /// Memory, bytes: some 12 KiB a point with 256 rays, five times that until it has light.
+    /// Returns its memory, bytes: some 12 KiB a point with 256 rays, five times that until its hits are lit.
     pub fn bytes(&self) -> u64 {
         let rays: usize = self.gathers.iter().map(GatherRays::bytes).sum();
-        rays as u64 + self.light.bytes() + self.field.stats().bytes
+        rays as u64 + self.pending.bytes() + self.field.stats().bytes
     }
 
-    /// The points of both meshes that the hits read.
+    /// Returns the points of both meshes that the hits read.
     pub fn requests(&self, scene: &Scene, mesh: &LightMesh) -> PointRequests {
+        // Points of the direct mesh that serve the hits.
         let mut direct = mesh.direct.marks();
-        if self.field.links() {
+        if self.field.reflects_light() {
             let points = mesh.direct.points();
-            let mark =
-                |gather: &GatherRays| points.demand(scene, &gather.lit.vertices, &direct, CornerVisibility::Stochastic);
+            let mark = |gather: &GatherRays| {
+                points.demand(scene, &gather.hits.vertices, &direct, CornerVisibility::Stochastic)
+            };
             self.gathers.par_iter().for_each(mark);
         }
+
+        // Points of the indirect mesh that joined after its own.
         let mut indirect = self.field.points().marks();
         for index in self.own..self.field.points().len() {
             self.field.points().mark(self.field.points().address(index), &indirect);
@@ -136,8 +145,8 @@ impl GatherBatch {
         PointRequests { direct: requests::take(&mut direct), indirect: requests::take(&mut indirect) }
     }
 
-    /// Takes the direct light where the rays end from the mesh; what that lacks is filled. The rays are then given up. A second time does
-    /// nothing.
+    /// Lights the hits of the rays from the direct mesh, which is filled where points are missing, and drops the rays.
+    /// Called again, it does nothing.
     ///
     /// # Errors
     /// [`Error::IncompatibleMesh`] for another mesh than it was made with, [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -155,54 +164,55 @@ impl GatherBatch {
         let (field, marks, plan) = (&mut mesh.direct, &mut marks, LightingPlan::of(options));
         let mut direct = DirectLighting { scene, options, plan, field, marks, reporter: &reporter, stats: &mut stats };
         for batch in std::mem::take(&mut self.gathers).chunks_mut(POINTS_AT_ONCE) {
-            self.field.light(&mut direct, batch, &mut self.light)?;
+            self.field.sum_hits(&mut direct, batch, &mut self.pending)?;
             reporter.add(batch.len() as u64, 0);
         }
         self.rays += stats.rays;
         Ok(())
     }
 
-    /// T_k of its points; `below` has T_{k−1} of all the points that are wanted, and is not asked where k is 0. Ask for one
-    /// level after the other; one that is known is given again.
+    /// Computes T_k of its points. `below` has T_{k−1} of all the points that hits read; it is not used where k is 0.
+    /// Ask for one bounce after the other; one that is computed already is returned again.
     ///
     /// # Errors
-    /// [`Error::InvalidReflection`] where a point is missing below, or the level is not the next.
+    /// [`Error::InvalidReflection`] where a point is missing below, or the bounce is not the next.
     pub fn bounce(&mut self, scene: &Scene, k: u32, below: &BounceValues) -> Result<BounceValues, Error> {
         let bad = |what: String| Err(Error::InvalidReflection { what });
-        let (k, sides) = (k as usize, self.field.faces.count());
+        let (k, faces) = (k as usize, self.field.faces.count());
         if k >= self.field.bounce_values.len() || (k > 0 && self.field.bounce_values[k - 1].is_empty() && self.own > 0)
         {
             return bad(format!("reflection {k} is not the next of {}", self.field.bounce_values.len() - 1));
         }
         if self.field.bounce_values[k].is_empty() {
-            if k > 0 && self.light.reads_points() {
+            if k > 0 && self.pending.reads_points() {
                 self.take_below(k - 1, below)?;
             }
-            let level = self.field.level(scene, k, &self.light);
-            self.field.bounce_values[k] = level;
+            self.field.bounce_values[k] = self.field.bounce(scene, k, &self.pending);
         }
-        let own = &self.field.bounce_values[k][..self.own * sides];
+
+        // Copy the values of its own points.
+        let own = &self.field.bounce_values[k][..self.own * faces];
         let values = own.iter().flat_map(|value| value.truncate().to_array()).collect();
         let points = (0..self.own).map(|i| numbers(self.field.points().address(i))).collect();
         Ok(BounceValues::merge([&BounceValues { points, values }]))
     }
 
-    /// Puts T_k of the points that others fill behind those of its own.
+    /// Puts T_k of the points that other batches fill behind that of its own.
     fn take_below(&mut self, k: usize, below: &BounceValues) -> Result<(), Error> {
-        let sides = self.field.faces.count();
+        let faces = self.field.faces.count();
         let bad = |what: String| Err(Error::InvalidReflection { what });
-        if below.values.len() != below.points.len() * sides * 3 {
-            return bad(format!("{} numbers are not {} colours a point", below.values.len(), sides));
+        if below.values.len() != below.points.len() * faces * 3 {
+            return bad(format!("{} numbers are not {} colours a point", below.values.len(), faces));
         }
-        let level = &mut self.field.bounce_values[k];
-        level.truncate(self.own * sides);
+        let values = &mut self.field.bounce_values[k];
+        values.truncate(self.own * faces);
         for index in self.own..self.field.points.len() {
             let point = numbers(self.field.points.address(index));
-            let Ok(at) = below.points.binary_search(&point) else {
+            let Ok(below_index) = below.points.binary_search(&point) else {
                 return bad(format!("point {point:?} is missing, or points are not in order"));
             };
-            let colours = below.values[at * sides * 3..][..sides * 3].chunks_exact(3);
-            level.extend(colours.map(|c| Vec4::new(c[0], c[1], c[2], 0.0)));
+            let colours = below.values[below_index * faces * 3..][..faces * 3].chunks_exact(3);
+            values.extend(colours.map(|c| Vec4::new(c[0], c[1], c[2], 0.0)));
         }
         Ok(())
     }
@@ -230,23 +240,26 @@ impl IndirectField {
 }
 
 impl GatherBatch {
-    /// What the mesh that it was made with is to know of its points, when they have all their levels.
+    /// Copies its points, once they have all bounces, for [`LightMesh::merge`].
     ///
     /// # Errors
     /// [`Error::InvalidReflection`] before that.
-    pub fn contents(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
+    pub fn snapshot(&self, mesh: &LightMesh) -> Result<Snapshot, Error> {
         let own: Vec<u32> = (0..self.len() as u32).collect();
-        if self.field.bounce_values.iter().any(|level| level.len() < own.len() * self.field.faces.count()) {
-            return Err(Error::InvalidReflection { what: "the last one is still to come".into() });
+        if self.field.bounce_values.iter().any(|values| values.len() < own.len() * self.field.faces.count()) {
+            let what = "the last reflection is still to come".into();
+            return Err(Error::InvalidReflection { what });
         }
+
+        // Copy its own points, and leave out those that other batches fill.
         let (hit_irradiance, hit_count) = self.field.gather_hit_irradiance;
         let mut points = self.field.points.snapshot_since(PointCursor::default());
         points.addresses.truncate(own.len());
         points.clearances.truncate(own.len());
         points.invalid.truncate(self.own_invalid);
-        let indirect = IndirectSnapshot { hit_irradiance, hit_count, ..self.field.contents(points, &own) };
+        let indirect = IndirectSnapshot { hit_irradiance, hit_count, ..self.field.snapshot(points, &own) };
         let nothing = mesh.direct.points.snapshot_since(mesh.direct.points.cursor());
-        let direct = mesh.direct.contents(nothing, std::iter::empty());
+        let direct = mesh.direct.snapshot(nothing, std::iter::empty());
         Ok(Snapshot { direct, indirect: Some(indirect) })
     }
 }

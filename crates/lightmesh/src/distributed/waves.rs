@@ -1,58 +1,65 @@
-//! A picture's light by portions: the same waves as in one go, some of them at a time.
+//! Waves of a picture, some of them at a time: planned, requested and drawn as in one go.
 
 use crate::direct::LightingPlan;
 use crate::film::{Film, RenderClock};
-use crate::integrator::{Lighting, Purpose, WaveFrame, trace_pass};
+use crate::integrator::{Lighting, WaveFrame, WaveSink, adapt, trace_pass};
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::progress::Reporter;
 use crate::{Error, RenderOptions, RenderStats, Scene, Stage};
 
-/// How surfaces take their light, where the whole picture has been looked at; what that took.
-pub(crate) fn plan_waves(
+/// How the waves of a picture are drawn.
+pub(super) enum WaveMethod<'a> {
+    /// By path tracing.
+    Paths,
+    /// Lit as the plan says.
+    Lit { lighting: Lighting<'a>, plan: LightingPlan },
+}
+
+/// Adapts the lighting to the whole picture. Returns the plan for its waves, and what finding it took.
+pub(super) fn plan_waves(
     scene: &Scene,
     film: &Film,
     options: &RenderOptions,
     lighting: Lighting<'_>,
-    watch: &mut RenderClock<'_>,
+    clock: &mut RenderClock<'_>,
 ) -> Result<(LightingPlan, RenderStats), Error> {
-    let mut frame = WaveFrame::new(scene, options, lighting);
     let mut stats = RenderStats::default();
-    frame.prepare(film, watch, &mut stats)?;
-    Ok((frame.plan, stats))
+    let plan = adapt(&mut WaveFrame::new(scene, options, lighting), film, clock, &mut stats)?;
+    Ok((plan, stats))
 }
 
-/// Takes the samples of the film's portion; `None`: by path tracing.
-pub(crate) fn render_portion_on(
+/// Takes the samples of the waves to which the film's pass is restricted.
+pub(super) fn draw_waves(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    lighting: Option<(Lighting<'_>, LightingPlan)>,
-    watch: &mut RenderClock<'_>,
+    method: WaveMethod<'_>,
+    clock: &mut RenderClock<'_>,
 ) -> Result<RenderStats, Error> {
     let mut stats = RenderStats::default();
-    let reporter = Reporter::new(watch.progress, Stage::Render, film.sample_count() - film.done());
-    match lighting {
-        None => trace_pass(scene, options, film, watch, &reporter, &mut stats)?,
-        Some((lighting, plan)) => {
+    let reporter = Reporter::new(clock.progress, Stage::Render, film.sample_count() - film.done());
+    match method {
+        WaveMethod::Paths => trace_pass(scene, options, film, clock, &reporter, &mut stats)?,
+        WaveMethod::Lit { lighting, plan } => {
             let mut frame = WaveFrame::new(scene, options, lighting);
-            frame.plan = plan;
-            frame.render_pass(film, watch, &reporter, &mut stats)?;
+            frame.draw(film, plan, WaveSink::Film, clock, &reporter, &mut stats)?;
         }
     }
     Ok(stats)
 }
 
-/// Marks the mesh points that the samples of the film's portion read and that are empty.
-pub(crate) fn demand_of_portion(
+/// Marks the mesh points that the same samples read and that are empty.
+pub(super) fn request_waves(
     scene: &Scene,
     film: &mut Film,
     options: &RenderOptions,
-    (mesh, plan): (&mut LightMesh, LightingPlan),
-    watch: &mut RenderClock<'_>,
-) -> Result<Option<LightMarks>, Error> {
-    let reporter = Reporter::new(watch.progress, Stage::Demand, film.sample_count() - film.done());
-    let mut frame = WaveFrame::new(scene, options, Lighting::Mesh(mesh));
-    (frame.plan, frame.purpose) = (plan, Purpose::Demand);
-    frame.render_pass(film, watch, &reporter, &mut RenderStats::default())?;
-    Ok(frame.marks)
+    mesh: &mut LightMesh,
+    plan: LightingPlan,
+    clock: &mut RenderClock<'_>,
+) -> Result<LightMarks, Error> {
+    let reporter = Reporter::new(clock.progress, Stage::Demand, film.sample_count() - film.done());
+    let marks = mesh.marks();
+    let mut frame = WaveFrame::new(scene, options, Lighting::from_mesh(mesh));
+    frame.draw(film, plan, WaveSink::Requests(&marks), clock, &reporter, &mut RenderStats::default())?;
+    Ok(marks)
 }

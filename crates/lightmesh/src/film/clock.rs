@@ -1,17 +1,17 @@
-//! What a render waits for and what waits for it: the time limit, and those who look at the picture so far.
+//! The clock of a render: it sizes waves by the time limit, and shows the picture so far to the viewer.
 
 use std::time::{Duration, Instant};
 
 use super::Film;
 use crate::{Progress, Viewer};
 
-/// How long a wave may take where there is a time limit, so that it is not missed by much.
+/// How long a wave may take where there is a time limit, so that the limit is not passed by much.
 const WAVE_TIME: Duration = Duration::from_millis(100);
 
 /// Samples per thread of the shortest wave: fewer do not keep the threads busy.
 const LEAST_SAMPLES: u64 = 512;
 
-/// Asked before and told after every wave.
+/// Decides how long each wave is, and is told when it is done.
 pub(crate) struct RenderClock<'a> {
     pub(crate) progress: &'a dyn Progress,
     pub(super) viewer: Option<&'a dyn Viewer>,
@@ -23,7 +23,7 @@ pub(crate) struct RenderClock<'a> {
 }
 
 impl<'a> RenderClock<'a> {
-    /// A watch over a render that started at `started` and may take `limit`.
+    /// A clock for a render that started at `started` and may take `limit`.
     pub(crate) fn new(
         progress: &'a dyn Progress,
         viewer: Option<&'a dyn Viewer>,
@@ -38,8 +38,8 @@ impl<'a> RenderClock<'a> {
         self.limit.is_some()
     }
 
-    /// How many samples of the film's pass the next wave takes; `None` where the pass is done, or the time is up and every pixel has
-    /// a sample.
+    /// Returns how many samples of the film's pass the next wave takes; `None` where the pass is done, or the time is
+    /// up and every pixel has a sample.
     pub(crate) fn next_wave(&mut self, film: &Film) -> Option<u64> {
         self.wave_started = Instant::now();
         let left = (film.sample_count() - film.done()).min(film.samples_per_wave());
@@ -50,19 +50,19 @@ impl<'a> RenderClock<'a> {
         if time.is_zero() {
             return None;
         }
-        // Fixed where nothing hurries: the size of waves decides in which order light is summed.
+        // Without a limit the size is fixed: the size of waves decides in which order light is summed.
         let in_time = self.samples_in(time.min(WAVE_TIME));
         Some(left.min(in_time.max(LEAST_SAMPLES * rayon::current_num_threads() as u64)))
     }
 
-    /// Notes that all light of the next `samples` samples is on the film, and shows the picture to who wants it.
+    /// Records that all light of the next `samples` samples is on the film, and shows the picture to the viewer.
     pub(crate) fn wave_done(&mut self, film: &mut Film, samples: u64) {
         film.add_done(samples);
         self.rate = Some(samples as f64 / self.wave_started.elapsed().as_secs_f64().max(1e-9));
         self.show(film);
     }
 
-    /// Shows the picture to who wants it.
+    /// Shows the picture to the viewer, if there is one that wants it now.
     pub(super) fn show(&self, film: &Film) {
         if let Some(viewer) = self.viewer.filter(|viewer| viewer.wants_picture())
             && let Some(picture) = film.picture()
@@ -71,7 +71,7 @@ impl<'a> RenderClock<'a> {
         }
     }
 
-    /// How many samples the time left is good for, at the rate of the last wave.
+    /// Returns how many samples can be taken in the time left, at the rate of the last wave.
     pub(crate) fn samples_left(&self) -> u64 {
         self.time_left().map_or(u64::MAX, |time| self.samples_in(time))
     }

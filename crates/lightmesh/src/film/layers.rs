@@ -4,14 +4,14 @@ use glam::Vec3;
 
 use crate::options::{Aov, Aovs, Layer};
 
-/// The sums of a picture's layers; those that nobody asked for are empty.
+/// The sums of a picture's layers; those that the options do not name are empty.
 #[derive(Debug, Default)]
 pub(crate) struct Layers {
     collected: Aovs,
-    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the most, for [`Aov::MeshValid`] what
-    /// is missing to 1.
+    /// By layer: the sum over samples, channel by channel; for [`Aov::MeshLevel`] the maximum, for [`Aov::MeshValid`]
+    /// the sum of 1 − valid.
     values: [Vec<f32>; Aov::ALL.len()],
-    /// How much of the samples' weight hit something: what depths are divided by.
+    /// By pixel: the weight of the samples that hit something, which depths are divided by.
     hit: Vec<f32>,
 }
 
@@ -32,7 +32,7 @@ impl Layers {
         !self.collected.is_empty()
     }
 
-    /// Adds what a sample saw first: a surface that covers the part `weight` of it, `depth_m` metres away.
+    /// Adds the first surface that a sample saw, which covers the part `weight` of it, `depth_m` metres away.
     pub(crate) fn add_surface(&mut self, pixel: u32, weight: f32, albedo: Vec3, normal: Vec3, depth_m: f32) {
         self.add(Aov::Albedo, pixel, albedo * weight);
         self.add(Aov::Normal, pixel, normal * weight);
@@ -50,8 +50,8 @@ impl Layers {
         }
     }
 
-    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of what it
-    /// asked for, in a cell of refinement `level`.
+    /// Adds how a surface that covers the part `weight` of a sample read the direct mesh: the part `usable` of the
+    /// corners' weights, in a cell of refinement `level`.
     pub(crate) fn add_reading(&mut self, pixel: u32, weight: f32, usable: f32, level: u32) {
         if let Some(missing) = self.values[Aov::MeshValid as usize].get_mut(pixel as usize) {
             *missing += weight * (1.0 - usable);
@@ -61,7 +61,7 @@ impl Layers {
         }
     }
 
-    /// Values that a pixel has in all layers.
+    /// How many values a pixel has in all layers.
     pub(crate) fn channels(&self) -> usize {
         self.collected.iter().map(|aov| aov.channels().len()).sum::<usize>() + usize::from(!self.hit.is_empty())
     }
@@ -75,7 +75,7 @@ impl Layers {
         values.extend(self.hit.get(pixel as usize));
     }
 
-    /// Takes a pixel's values as [`Layers::copy_to`] gave them.
+    /// Sets a pixel's values to those that [`Layers::copy_to`] gave.
     pub(crate) fn copy_from(&mut self, pixel: u32, mut values: &[f32]) {
         for aov in self.collected.iter() {
             let channels = aov.channels().len();
@@ -88,14 +88,14 @@ impl Layers {
         }
     }
 
-    /// Begins some pixels anew.
+    /// Clears some pixels.
     pub(crate) fn clear(&mut self, pixels: &[u32]) {
         self.change(pixels.iter().copied(), |_, value| *value = 0.0);
     }
 
     /// Multiplies the sums of some pixels.
     pub(crate) fn scale(&mut self, pixels: impl Iterator<Item = u32> + Clone, factor: f32) {
-        // The most of some levels is no sum.
+        // The highest level is no sum.
         self.change(pixels, |aov, value| *value *= if aov == Aov::MeshLevel { 1.0 } else { factor });
     }
 
@@ -112,8 +112,8 @@ impl Layers {
         }
     }
 
-    /// The finished layers, of sums that are means but for depth, in the order of [`Aov::ALL`]; [`Aov::Points`] is
-    /// black.
+    /// Returns the finished layers, in the order of [`Aov::ALL`]. The sums must have been scaled to means;
+    /// [`Aov::Points`] is black.
     pub(crate) fn finish(mut self) -> Vec<Layer> {
         for (depth, hit) in self.values[Aov::Depth as usize].iter_mut().zip(&self.hit) {
             *depth = if *hit > 0.0 { *depth / hit } else { Aov::FAR_M };
@@ -131,7 +131,7 @@ mod tests {
 
     /// Two samples of one pixel, one of which hits nothing: colours are averaged with black, the depth is not averaged.
     #[test]
-    fn depth_is_that_of_what_is_hit() {
+    fn depth_is_averaged_over_hits_alone() {
         let mut layers = Layers::new([Aov::Albedo, Aov::Depth].into_iter().collect(), 2);
         layers.add_surface(1, 1.0, Vec3::ONE, Vec3::X, 7.0);
         layers.scale(0..2, 0.5);
@@ -140,9 +140,9 @@ mod tests {
         assert_eq!(depth.values, [Aov::FAR_M, 7.0]);
     }
 
-    /// Half of what is asked for cannot be used; a pixel that asks for nothing has 1.
+    /// Half of the weights cannot be used; a pixel that does not read the mesh has 1.
     #[test]
-    fn a_pixel_that_asks_for_nothing_misses_nothing() {
+    fn a_pixel_that_does_not_read_the_mesh_is_valid() {
         let mut layers = Layers::new([Aov::MeshLevel, Aov::MeshValid].into_iter().collect(), 2);
         layers.add_reading(0, 1.0, 0.5, 2);
         layers.add_reading(0, 1.0, 1.0, 1);

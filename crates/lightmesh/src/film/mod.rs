@@ -1,25 +1,25 @@
 //! The film: which samples belong to which pixel, and their sum.
 
 mod clock;
+mod coarse_preview;
+mod emitter_edges;
 mod layers;
 mod order;
-mod outlines;
 mod pass;
 mod passes;
 mod picture;
-mod portion;
-mod sketch;
+mod waves;
 
 use std::ops::Range;
 
 pub(crate) use clock::RenderClock;
+use coarse_preview::CoarsePreview;
+use emitter_edges::EmitterEdges;
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
 use order::TileOrder;
-use outlines::EmitterEdges;
 use pass::Pass;
 pub(crate) use passes::{SumOrder, WAVE, take_samples};
-use sketch::CoarsePreview;
 
 use crate::geometry::{Cone, Ray};
 use crate::sampling::{film_samples, fold_seed, hash};
@@ -32,23 +32,24 @@ pub(crate) struct Film {
     rays: FilmRays,
     order: TileOrder,
     seed: u64,
-    /// Where in [0, 1)² a pixel's samples lie, in units of 2⁻³², before the pixel's own scramble.
+    /// Positions of a pixel's samples in [0, 1)², in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
     /// Cells of a pixel in each direction, and how wide the square of a cell's area is, in pixels.
     cells: (Vec2, f32),
     /// Whether rays have cones.
     cones: bool,
-    /// What is being sampled.
+    /// The samples that are being taken.
     pass: Pass,
     sums: Vec<Vec3>,
     aovs: Aovs,
     layers: Layers,
-    /// What samples saw of each pixel; empty where nobody asks.
-    emitter_seen: Vec<u8>,
-    /// What there is to see of pixels without samples.
-    sketch: Option<CoarsePreview>,
-    /// The pixels of the pass, where they are sampled anew.
-    outlines: Option<EmitterEdges>,
+    /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not
+    /// supersampled.
+    seen: Vec<u8>,
+    /// What is shown of pixels without samples.
+    coarse_preview: Option<CoarsePreview>,
+    /// The first samples of the pass's pixels, where these are sampled anew.
+    emitter_edges: Option<EmitterEdges>,
 }
 
 /// One sample of one pixel.
@@ -77,33 +78,34 @@ impl Film {
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.picture.aovs,
             layers: Layers::new(options.picture.aovs, order.len()),
-            emitter_seen: Vec::new(),
-            sketch: None,
-            outlines: None,
+            seen: Vec::new(),
+            coarse_preview: None,
+            emitter_edges: None,
         }
     }
 
-    /// Gives rays no cones: nobody averages what they see.
+    /// Gives rays no cones: no texture is averaged over a footprint.
     pub(crate) fn drop_cones(&mut self) {
         self.cones = false;
     }
 
-    /// Turns to some of the samples of every pixel; they follow those that it has.
+    /// Begins a pass over some of the samples of every pixel, which follow those that it has.
     pub(crate) fn begin_pass(&mut self, indices: Range<u32>) {
         self.pass = Pass { pixels: None, indices, done: 0, end: None };
     }
 
-    /// Turns to the first sample of every `stride`-th pixel of every `stride`-th row; begin with the coarsest, before any
-    /// pass. Layers are not collected.
-    pub(crate) fn begin_sketch(&mut self, stride: u32) {
-        let pixels = CoarsePreview::pixels(self.order, stride, self.sketch.as_ref());
+    /// Begins a coarse preview: the first sample of every `stride`-th pixel of every `stride`-th row. Previews come
+    /// before any pass, the coarsest first. Layers are not collected.
+    pub(crate) fn begin_coarse_preview(&mut self, stride: u32) {
+        let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
     }
 
-    /// Keeps what the sketch has become, to be seen where nothing better is, and leaves the film empty.
-    pub(crate) fn finish_sketch(&mut self, stride: u32) {
-        self.sketch = Some(CoarsePreview::take(self.order, stride, self.sketch.as_ref(), &mut self.sums));
+    /// Keeps the coarse preview, to be shown where pixels have no samples, and empties the film.
+    pub(crate) fn finish_coarse_preview(&mut self, stride: u32) {
+        self.coarse_preview =
+            Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
         self.layers = Layers::new(self.aovs, self.order.len());
         self.begin_pass(0..self.offsets.len() as u32);
     }
@@ -121,9 +123,9 @@ impl Film {
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
-            emitter_seen: Vec::new(),
-            sketch: None,
-            outlines: None,
+            seen: Vec::new(),
+            coarse_preview: None,
+            emitter_edges: None,
         }
     }
 
@@ -132,15 +134,15 @@ impl Film {
         pixels.iter().map(|&pixel| self.sums[pixel as usize]).collect()
     }
 
-    /// Some pixels, one somewhere in each of `count` equal parts of the picture, in the order in which they are sampled; other sets
-    /// are other pixels.
+    /// Returns random pixels, one in each of `count` equal parts of the picture, in the order in which they are
+    /// sampled. Other numbers of a `set` give other pixels.
     pub(crate) fn draw(&self, seed: u64, set: u32, count: u64) -> Vec<u32> {
         let all = self.pixel_count();
         let count = count.min(all);
         let seed = hash(fold_seed(seed) ^ hash(set.wrapping_add(0x51ed)));
         let pixel = |i: u64| {
             let (from, to) = (i * all / count, (i + 1) * all / count);
-            let (x, y) = self.order.place(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
+            let (x, y) = self.order.coordinates(from + u64::from(hash(seed ^ hash(i as u32))) % (to - from));
             y * self.order.width + x
         };
         (0..count).map(pixel).collect()
@@ -151,7 +153,7 @@ impl Film {
         self.pass.end.unwrap_or(self.pass_pixels() * self.pass.samples_per_pixel())
     }
 
-    /// Samples that are taken together: all that the pass has of some pixels.
+    /// Samples of a wave: all that the pass has of as many pixels as fit in.
     pub(crate) fn samples_per_wave(&self) -> u64 {
         WAVE - WAVE % self.pass.samples_per_pixel().clamp(1, WAVE)
     }
@@ -161,7 +163,7 @@ impl Film {
         self.sums.len() as u64
     }
 
-    /// How many samples of the pass have all their light.
+    /// How many samples of the pass have all their light on the film.
     pub(crate) fn done(&self) -> u64 {
         self.pass.done
     }
@@ -171,16 +173,16 @@ impl Film {
         self.pass.done += samples;
     }
 
-    /// How many samples every pixel has, those on outlines before they were sampled anew.
+    /// How many samples every pixel has; on emitter edges, how many it had before it was sampled anew.
     pub(crate) fn whole_passes(&self) -> u32 {
-        match &self.outlines {
-            Some(outlines) => outlines.spp,
+        match &self.emitter_edges {
+            Some(edges) => edges.spp,
             None if self.pass.left(self.pass_pixels()) == 0 => self.pass.indices.end,
             None => self.pass.indices.start,
         }
     }
 
-    /// Whether the picture could end here: every pixel has a sample, and none waits to be sampled anew.
+    /// Whether the time limit may end the picture here: every pixel has a sample, and none is being sampled anew.
     pub(crate) fn may_end(&self) -> bool {
         self.pass.pixels.is_none() && self.pass.indices.start > 0
     }
@@ -189,13 +191,13 @@ impl Film {
         self.pass.pixels.as_ref().map_or(self.sums.len(), Vec::len) as u64
     }
 
-    /// The samples of a range of numbers below [`Film::sample_count`]: pixel by pixel within a tile, tile by tile, or along the
-    /// pass's list.
+    /// The samples of a range of numbers below [`Film::sample_count`]: pixel by pixel within a tile, tile by tile, or
+    /// along the pass's list.
     pub(crate) fn samples(&self, range: Range<u64>) -> impl Iterator<Item = Sample> {
         let spp = self.pass.samples_per_pixel();
         let first = self.pass.indices.start;
         let list = self.pass.pixels.as_deref();
-        let (mut x, mut y) = if list.is_some() { (0, 0) } else { self.order.place(range.start / spp) };
+        let (mut x, mut y) = if list.is_some() { (0, 0) } else { self.order.coordinates(range.start / spp) };
         let mut index = (range.start % spp) as u32;
         range.map(move |n| {
             if let Some(pixels) = list {
@@ -212,11 +214,11 @@ impl Film {
         })
     }
 
-    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes through the
-    /// pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own bits (Kollig and Keller,
-    /// "Efficient Multidimensional Sampling", 2002): strata stay strata. Of as many digits as there are strata along an axis; a point
-    /// is in the middle of its own, which halves the squared error of an edge that runs along an axis: ∫ f(1 − f) df = 1/6 becomes
-    /// ∫ min(f, 1 − f)² df = 1/12.
+    /// The camera ray of a sample, and the cone about the cell of the pixel that it stands for. A single sample goes
+    /// through the pixel's centre; more are the points of one Sobol set, whose digits are scrambled by the pixel's own
+    /// bits (Kollig and Keller, "Efficient Multidimensional Sampling", 2002): strata stay strata. Of as many digits as
+    /// there are strata along an axis; a point is in the middle of its own, which halves the squared error of an edge
+    /// that runs along an axis: ∫ f(1 − f) df = 1/6 becomes ∫ min(f, 1 − f)² df = 1/12.
     pub(crate) fn ray(&self, sample: Sample) -> (Ray, Cone) {
         let mut offset = Vec2::splat(0.5);
         if self.offsets.len() > 1 {
@@ -256,20 +258,36 @@ impl Film {
         self.layers.any()
     }
 
-    /// The camera's rays and the picture's width and height.
-    pub(crate) fn rays_and_size(&self) -> (FilmRays, u32, u32) {
-        (self.rays, self.order.width, self.order.height)
+    /// The camera's rays and the picture's size.
+    pub(crate) fn view(&self) -> View {
+        View { rays: self.rays, width: self.order.width, height: self.order.height }
+    }
+}
+
+/// What a picture's camera sees.
+#[derive(Clone, Copy)]
+pub(crate) struct View {
+    pub(crate) rays: FilmRays,
+    /// Pixels.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
+impl View {
+    /// The ray through the middle of a pixel, which is numbered row by row.
+    pub(crate) fn pixel_ray(&self, pixel: u32) -> Ray {
+        self.rays.ray((pixel % self.width) as f32 + 0.5, (pixel / self.width) as f32 + 0.5)
     }
 }
 
 /// The cells of a pixel with so many samples, in each direction, and the width of a square of a cell's area, in pixels.
 /// 2^⌈k/2⌉ × 2^⌊k/2⌋ of them, k = ⌊log₂ spp⌋. 10 samples: 4 × 2.
 ///
-/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of a
-/// (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies makes no noise. Error
-/// against 256 point samples of the staircase (wallpaper of a pattern a few pixels wide, direct light), four samples: 16.1% with
-/// point samples, 12.7% with the same area about the sample, 11.3% with the whole pixel, 9.9% with cells; most of that is on
-/// outlines of surfaces.
+/// Textures are averaged over the cell in which a sample lies, not about the sample. As each of the first 2ᵏ points of
+/// a (0, 2)-sequence has a cell of its own, the cells' means make the pixel's, and where in its cell a sample lies
+/// makes no noise. Error against 256 point samples of the staircase (wallpaper of a pattern a few pixels wide, direct
+/// light), four samples: 16.1% with point samples, 12.7% with the same area about the sample, 11.3% with the whole
+/// pixel, 9.9% with cells; most of that is on outlines of surfaces.
 fn cells_of_pixel(spp: usize) -> (Vec2, f32) {
     let k = spp.ilog2();
     let cells = Vec2::new((1_u32 << k.div_ceil(2)) as f32, (1_u32 << (k / 2)) as f32);
@@ -327,8 +345,9 @@ mod tests {
         }
     }
 
-    /// An edge along a row of pixels covers the part f of them. Four samples say one of five parts, the nearest: the mean of the squared
-    /// errors over f is 1/12 of a stratum's square, where samples anywhere in their strata would have 1/6.
+    /// An edge along a row of pixels covers the part f of them. Four samples say one of five parts, the nearest: the
+    /// mean of the squared errors over f is 1/12 of a stratum's square, where samples anywhere in their strata would
+    /// have 1/6.
     #[test]
     fn edges_along_rows_are_as_exact_as_strata_let_them_be() {
         let film = film(64, 1, 4);

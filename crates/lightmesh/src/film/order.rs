@@ -1,4 +1,5 @@
-//! In which order the pixels of a picture are sampled: square tiles, so that neighbouring rays hit neighbouring surfaces.
+//! In which order the pixels of a picture are sampled: square tiles, so that neighbouring rays hit neighbouring
+//! surfaces.
 
 use std::ops::Range;
 
@@ -20,7 +21,7 @@ impl TileOrder {
 
     /// The indices, row by row in the picture, of the pixels with these numbers in tile order.
     pub(super) fn pixels(self, numbers: Range<u64>) -> impl Iterator<Item = u32> + Clone {
-        let (mut x, mut y) = if numbers.is_empty() { (0, 0) } else { self.place(numbers.start) };
+        let (mut x, mut y) = if numbers.is_empty() { (0, 0) } else { self.coordinates(numbers.start) };
         numbers.map(move |_| {
             let pixel = y * self.width + x;
             (x, y) = self.next(x, y);
@@ -29,7 +30,7 @@ impl TileOrder {
     }
 
     /// Pixel coordinates of the n-th pixel in tile order.
-    pub(crate) fn place(self, n: u64) -> (u32, u32) {
+    pub(crate) fn coordinates(self, n: u64) -> (u32, u32) {
         let band = u64::from(self.width) * u64::from(TILE);
         let top = (n / band) as u32 * TILE;
         let rows = TILE.min(self.height - top);

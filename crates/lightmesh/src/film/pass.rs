@@ -1,4 +1,4 @@
-//! Which samples are being taken, and how far that is.
+//! A pass: which samples are being taken, and how many of them are done.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ pub(super) struct Pass {
     pub(super) indices: Range<u32>,
     /// How many samples have all their light in the film.
     pub(super) done: u64,
-    /// Where it ends early, counted in samples, as a portion of a picture does.
+    /// The sample at which it ends early, as a part of a distributed picture does.
     pub(super) end: Option<u64>,
 }
 
 impl Pass {
-    /// How many samples are left, where `pixels` pixels are sampled.
+    /// How many samples are left if the pass has `pixels` pixels.
     pub(super) fn left(&self, pixels: u64) -> u64 {
         pixels * self.samples_per_pixel() - self.done
     }
@@ -26,8 +26,8 @@ impl Pass {
         u64::from(self.indices.end - self.indices.start)
     }
 
-    /// The pixels, by number, in runs of those that have equally many samples, and how many these are, counting those of
-    /// earlier passes: pixels that are done, the one that is begun, the rest. Runs may be empty.
+    /// Returns runs of pixels, by number, that have equally many samples, and how many samples, those of earlier passes
+    /// included: the pixels that are done, the one that is begun, the rest. Runs may be empty.
     pub(crate) fn counts(&self, pixels: u64) -> [(Range<u64>, u32); 3] {
         let each = self.samples_per_pixel();
         let (done, begun) = (self.done / each, (self.done % each) as u32);

@@ -1,6 +1,6 @@
-//! A hash of 128 bits over a stream of 64-bit words: two lanes, each a chain of the finaliser of SplitMix64 (Steele, Lea and Flood, "Fast
-//! Splittable Pseudorandom Number Generators", OOPSLA 2014; constants of Stafford's variant 13), which every word enters in another
-//! way. Not cryptographic.
+//! A hash of 128 bits over a stream of 64-bit words: two lanes, each a chain of the finaliser of SplitMix64 (Steele,
+//! Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014; constants of Stafford's variant 13),
+//! which every word enters in another way. Not cryptographic.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use super::Fingerprint;
 
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Takes words one after the other.
+/// Hashes words one after the other.
 #[derive(Debug)]
 pub(crate) struct Digest {
     lanes: [u64; 2],
 }
 
 impl Digest {
-    /// Of things of this kind.
+    /// Begins the digest of things of a kind.
     pub(crate) fn new(kind: &str) -> Self {
         let mut digest = Self { lanes: [0, GOLDEN] };
         digest.text(kind);
@@ -65,7 +65,7 @@ impl Digest {
     }
 }
 
-/// What `Debug` writes, piece by piece.
+/// Adds the text of `Debug`, piece by piece.
 impl fmt::Write for Digest {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.text(text);

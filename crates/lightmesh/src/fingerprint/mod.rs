@@ -1,4 +1,4 @@
-//! Fingerprints: whether a light mesh that comes from elsewhere belongs to this scene and these settings.
+//! Fingerprints: they tell whether a stored light mesh belongs to a scene and its settings.
 
 mod digest;
 mod scene;
@@ -11,40 +11,42 @@ use digest::Digest;
 use crate::options::PointKind;
 use crate::{Falloff, Interpolation, MeshKey, MissingCorners, PaperScale, PointWeight, RenderOptions, Scene, Spacing};
 
-/// Counts up where the value of a mesh point becomes another: what an older version has evaluated then is not taken for this one's.
+/// Increased whenever mesh points get other values, so that meshes of older versions are not mistaken for this one's.
 const VALUES_VERSION: u64 = 1;
 
-/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are no protection
-/// against who means to deceive.
+/// 128 bits that tell scenes, or settings, from each other: the same on every machine and in every run. They are not
+/// cryptographic.
 ///
 /// Written as 32 hexadecimal digits; [`FromStr`] reads them back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Fingerprint(pub u128);
 
 impl Fingerprint {
-    /// Of everything in a scene that light depends on: surfaces and their places, materials, textures, lights, the environment, and how
-    /// emitters become light samples; not of cameras and names. Of a user-defined shape it is the box and what `Debug` writes. It takes
-    /// about a second per two gigabytes of vertices and texels.
+    /// Returns the fingerprint of everything in a scene that light depends on: surfaces and their transforms,
+    /// materials, textures, lights, the environment, and how emitters become light samples; not of cameras and names.
+    /// Of a user-defined shape it has the box and the `Debug` text. It takes about a second for two gigabytes of
+    /// vertices and texels.
     pub fn of_scene(scene: &Scene) -> Self {
         scene::fingerprint(scene)
     }
 
-    /// Of a text that describes something else.
+    /// Returns the fingerprint of a text that describes something else.
     pub fn of_text(text: &str) -> Self {
         let mut digest = Digest::new("text");
         digest.text(text);
         digest.finish()
     }
 
-    /// Of the settings that values of mesh points depend on: of their [`MeshKey`]. `hybrid` and `unbiased` have the same points. The
-    /// number of bounces is not among them: [`Snapshot`](crate::Snapshot) tell it.
+    /// Returns the fingerprint of the settings that values of mesh points depend on, their [`MeshKey`]. `hybrid` and
+    /// `unbiased` have the same points. The number of bounces is not part of it; [`Snapshot`](crate::Snapshot) tells it.
     pub fn of_settings(options: &RenderOptions) -> Self {
         Self::of_key(&MeshKey::of(options))
     }
 
-    /// Of a mesh's key.
+    /// Returns the fingerprint of a mesh's key.
     pub fn of_key(key: &MeshKey) -> Self {
         let mut digest = Digest::new("lightmesh settings");
+        // What direct values are, and how light attenuates in them.
         digest.number(VALUES_VERSION);
         digest.number(match key.kind {
             PointKind::SixAxis => 0,
@@ -52,16 +54,17 @@ impl Fingerprint {
             PointKind::Scalar { .. } => 2,
         });
         digest.number(u64::from(key.error_bound));
-        falloff(&mut digest, key.falloff);
+        add_falloff(&mut digest, key.falloff);
         if let PointKind::Scalar { field_falloff, scale } = key.kind {
-            falloff(&mut digest, field_falloff);
+            add_falloff(&mut digest, field_falloff);
             digest.number(match scale {
                 PaperScale::Visibility => 0,
                 PaperScale::Constant => 1,
             });
         }
-        spacing(&mut digest, key.spacing);
-        spacing(&mut digest, key.indirect_spacing);
+        // Where points are, and how they are combined.
+        add_spacing(&mut digest, key.spacing);
+        add_spacing(&mut digest, key.indirect_spacing);
         match key.interpolation {
             Interpolation::Auto | Interpolation::Trilinear => digest.number(0),
             Interpolation::TrilinearWith(rule) => {
@@ -85,6 +88,7 @@ impl Fingerprint {
             PointWeight::Inverse => 2,
             PointWeight::Cosine => 3,
         });
+        // How indirect values are gathered.
         digest.number(u64::from(key.finer_levels));
         digest.floats([key.light_error]);
         digest.number(u64::from(key.gather_rays));
@@ -94,7 +98,7 @@ impl Fingerprint {
     }
 }
 
-fn falloff(digest: &mut Digest, falloff: Falloff) {
+fn add_falloff(digest: &mut Digest, falloff: Falloff) {
     match falloff {
         Falloff::InverseSquare => digest.number(0),
         Falloff::ConstantPlusDistance { constant } => {
@@ -104,7 +108,7 @@ fn falloff(digest: &mut Digest, falloff: Falloff) {
     }
 }
 
-pub(crate) fn spacing(digest: &mut Digest, spacing: Spacing) {
+pub(crate) fn add_spacing(digest: &mut Digest, spacing: Spacing) {
     let (kind, x) = match spacing {
         Spacing::Auto => (0, 0.0),
         Spacing::Fraction(k) => (1, k),

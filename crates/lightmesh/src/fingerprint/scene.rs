@@ -1,4 +1,5 @@
-//! What of a scene its light depends on. Every field is named, so that a new one must be thought of here.
+//! The parts of a scene that its light depends on. Every field is named, so that a new field does not compile until it
+//! is added here.
 
 use std::fmt::Write;
 
@@ -17,34 +18,34 @@ pub(super) fn fingerprint(scene: &Scene) -> Fingerprint {
     let SceneData { meshes, instances, spheres, shapes, materials, textures, images, lights, environment, cameras: _ } =
         scene.data();
     let d = &mut digest;
-    all(d, meshes, mesh);
-    all(d, instances, instance);
-    all(d, spheres, sphere);
-    all(d, shapes, shape);
-    all(d, materials, material);
-    all(d, textures, texture);
-    all(d, images, image);
-    all(d, lights, light);
-    option(d, environment.as_ref(), self::environment);
+    add_all(d, meshes, add_mesh);
+    add_all(d, instances, add_instance);
+    add_all(d, spheres, add_sphere);
+    add_all(d, shapes, add_shape);
+    add_all(d, materials, add_material);
+    add_all(d, textures, add_texture);
+    add_all(d, images, add_image);
+    add_all(d, lights, add_light);
+    add_option(d, environment.as_ref(), self::add_environment);
     let EmitterOptions { light_samples, light_radius } = *scene.emitter_options();
     d.number(u64::from(light_samples));
     d.floats([light_radius]);
     digest.finish()
 }
 
-fn all<T>(d: &mut Digest, things: &[T], add: impl Fn(&mut Digest, &T)) {
+fn add_all<T>(d: &mut Digest, things: &[T], add: impl Fn(&mut Digest, &T)) {
     d.number(things.len() as u64);
     things.iter().for_each(|thing| add(d, thing));
 }
 
-fn option<T>(d: &mut Digest, thing: Option<T>, add: impl Fn(&mut Digest, T)) {
+fn add_option<T>(d: &mut Digest, thing: Option<T>, add: impl Fn(&mut Digest, T)) {
     d.number(u64::from(thing.is_some()));
     if let Some(thing) = thing {
         add(d, thing);
     }
 }
 
-fn mesh(d: &mut Digest, mesh: &TriangleMesh) {
+fn add_mesh(d: &mut Digest, mesh: &TriangleMesh) {
     let TriangleMesh { name: _, positions, triangles, normals, tangents, uvs, colors, material } = mesh;
     d.list(positions.iter().map(Vec3::to_array));
     d.number(triangles.len() as u64);
@@ -56,26 +57,26 @@ fn mesh(d: &mut Digest, mesh: &TriangleMesh) {
     d.number(*material as u64);
 }
 
-fn instance(d: &mut Digest, &Instance { mesh, world_from_object }: &Instance) {
+fn add_instance(d: &mut Digest, &Instance { mesh, world_from_object }: &Instance) {
     d.number(mesh as u64);
     d.floats(Affine3A::to_cols_array(&world_from_object));
 }
 
-fn sphere(d: &mut Digest, &Sphere { center, radius, material }: &Sphere) {
+fn add_sphere(d: &mut Digest, &Sphere { center, radius, material }: &Sphere) {
     d.floats(center.extend(radius).to_array());
     d.number(material as u64);
 }
 
-pub(crate) fn shape(d: &mut Digest, ShapeEntry { shape, material }: &ShapeEntry) {
+pub(crate) fn add_shape(d: &mut Digest, ShapeEntry { shape, material }: &ShapeEntry) {
     let Aabb { min, max } = shape.bounds();
     d.floats(min.to_array());
     d.floats(max.to_array());
-    // Writing into a digest cannot fail; a `Debug` that does says what it says.
+    // Writing into a digest cannot fail; a `Debug` that does is cut short there.
     let _ = write!(d, "{shape:?}");
     d.number(*material as u64);
 }
 
-fn material(d: &mut Digest, material: &Material) {
+fn add_material(d: &mut Digest, material: &Material) {
     let Material {
         name: _,
         base_color,
@@ -120,12 +121,12 @@ fn material(d: &mut Digest, material: &Material) {
         specular_color_texture,
         transmission_texture,
     ] {
-        option(d, texture.as_ref(), texture_ref);
+        add_option(d, texture.as_ref(), add_texture_ref);
     }
     d.number(u64::from(*double_sided) | u64::from(*unlit) << 1);
 }
 
-fn texture_ref(d: &mut Digest, &TextureRef { texture, uv_set, transform }: &TextureRef) {
+fn add_texture_ref(d: &mut Digest, &TextureRef { texture, uv_set, transform }: &TextureRef) {
     let UvTransform { matrix, offset } = transform;
     d.number(texture as u64);
     d.number(uv_set as u64);
@@ -133,7 +134,7 @@ fn texture_ref(d: &mut Digest, &TextureRef { texture, uv_set, transform }: &Text
     d.floats(offset.to_array());
 }
 
-fn texture(d: &mut Digest, &Texture { image, wrap_s, wrap_t, filter }: &Texture) {
+fn add_texture(d: &mut Digest, &Texture { image, wrap_s, wrap_t, filter }: &Texture) {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => 0,
         Wrap::MirroredRepeat => 1,
@@ -148,7 +149,7 @@ fn texture(d: &mut Digest, &Texture { image, wrap_s, wrap_t, filter }: &Texture)
     });
 }
 
-fn image(d: &mut Digest, ImageData { name: _, width, height, texels }: &ImageData) {
+fn add_image(d: &mut Digest, ImageData { name: _, width, height, texels }: &ImageData) {
     d.halves([*width, *height]);
     match texels {
         Texels::Rgba8(texels) => {
@@ -163,8 +164,8 @@ fn image(d: &mut Digest, ImageData { name: _, width, height, texels }: &ImageDat
     }
 }
 
-pub(crate) fn light(d: &mut Digest, light: &Light) {
-    let range = |d: &mut Digest, range: Option<f32>| option(d, range, |d, range| d.floats([range]));
+pub(crate) fn add_light(d: &mut Digest, light: &Light) {
+    let range = |d: &mut Digest, range: Option<f32>| add_option(d, range, |d, range| d.floats([range]));
     match *light {
         Light::Point { position, intensity_cd, range: reach } => {
             d.number(0);
@@ -188,8 +189,8 @@ pub(crate) fn light(d: &mut Digest, light: &Light) {
     }
 }
 
-fn environment(d: &mut Digest, Environment { map, radiance, world_from_map }: &Environment) {
-    option(d, map.as_ref(), image);
+fn add_environment(d: &mut Digest, Environment { map, radiance, world_from_map }: &Environment) {
+    add_option(d, map.as_ref(), add_image);
     d.floats(radiance.to_array());
     d.floats(world_from_map.to_array());
 }

@@ -44,7 +44,8 @@ pub(crate) fn of(data: SceneData) -> Fingerprint {
     Fingerprint::of_scene(&Scene::new(data).expect("scene"))
 }
 
-/// Pinned: another machine, or another version of the program, must come to the same numbers. Where values of mesh points become others,
+/// Pinned: another machine, or another version of the program, must come to the same numbers. Where values of mesh
+/// points become others,
 /// [`VALUES_VERSION`] counts up, and the second one changes.
 #[test]
 fn fingerprints_are_the_same_everywhere() {

@@ -35,15 +35,15 @@ impl Ray {
     }
 }
 
-/// Relative size of [`offset_origin`]'s step: 2⁻¹⁴, 0.6 mm at 10 m. A hit's position, interpolated in f32, is off by a few
-/// 2⁻²⁴ of its largest coordinate; more is needed where authors laid surfaces upon each other. Empirical; error of exact
-/// shadow rays at pixel centres against Mitsuba in Sponza with 25 lights / a living room / a room of 15 lights: 2⁻²³ 5.3 /
-/// 16.9 / 2.5%, 2⁻²⁰ 1.9 / 3.5 / 0.3%, 2⁻¹⁷ 0.7 / 2.2 / 0.3%, 2⁻¹⁴ 0.5 / 1.5 / 0.25%.
+/// Relative size of [`offset_origin`]'s step: 2⁻¹⁴, 0.6 mm at 10 m. A hit's position, interpolated in f32, is off by a
+/// few 2⁻²⁴ of its largest coordinate; more is needed where authors laid surfaces upon each other. Empirical; error of
+/// exact shadow rays at pixel centres against Mitsuba in Sponza with 25 lights / a living room / a room of 15 lights:
+/// 2⁻²³ 5.3 / 16.9 / 2.5%, 2⁻²⁰ 1.9 / 3.5 / 0.3%, 2⁻¹⁷ 0.7 / 2.2 / 0.3%, 2⁻¹⁴ 0.5 / 1.5 / 0.25%.
 const OFFSET: f32 = 1.0 / 16_384.0;
 
-/// Where a ray along `direction` leaves a surface: the point, moved a little to the side of the geometric `normal` (unit)
-/// on which the ray goes, so that it does not hit the surface itself. The step is 2⁻¹⁴ of the point's largest coordinate
-/// plus a 64th of `extent`, the largest coordinate (metres) of the object that was hit.
+/// Returns where a ray along `direction` leaves a surface: the point, moved a little to the side of the geometric
+/// `normal` (unit) on which the ray goes, so that it does not hit the surface itself. The step is 2⁻¹⁴ of the point's
+/// largest coordinate plus a 64th of `extent`, the largest coordinate (metres) of the object that was hit.
 pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32, direction: Vec3) -> Vec3 {
     offset_origins(point, normal, extent)[usize::from(normal.dot(direction) < 0.0)]
 }

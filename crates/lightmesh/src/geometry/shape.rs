@@ -7,11 +7,12 @@ use glam::{Vec2, Vec3};
 use super::aabb::Aabb;
 use super::ray::Ray;
 
-/// A surface of any kind that can answer "does this ray hit?" and "which way does it face?": all that the paper asks of
+/// A surface of any kind that rays can be intersected with and that has normals, which is all that the method needs of
 /// a surface. Implement it to add a torus, a height field or a signed-distance shape to a scene
-/// ([`SceneData::shapes`](crate::scene::SceneData::shapes)); every tracer and the light mesh then treat it like the rest.
+/// ([`SceneData::shapes`](crate::scene::SceneData::shapes)); every tracer and the light mesh then treat it like the
+/// rest.
 ///
-/// Answers must be pure: the same ray, the same answer, from any thread.
+/// Results must be pure: the same ray has the same result, from any thread.
 pub trait Shape: Send + Sync + Debug {
     /// A box in world space (metres) that holds the whole surface. Read once, when the scene is built.
     fn bounds(&self) -> Aabb;

@@ -1,5 +1,5 @@
-//! Filling the indirect field: gather rays from every point that is asked for, and from every point that their hits ask for,
-//! until none is missing; then bounce after bounce over all of them.
+//! Filling the indirect field: gather rays from every marked point, and from every point that their hits read, until
+//! none is missing; then bounce after bounce over all of them.
 
 use std::time::Instant;
 
@@ -18,36 +18,38 @@ use crate::{Error, RenderOptions, Scene};
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
 pub(crate) const POINTS_AT_ONCE: usize = 256;
 
-/// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the mesh.
+/// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the
+/// mesh.
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
-    /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the rays
-    /// is the mean over the corners, at an eighth of the reads. [`Transfer::NOWHERE`] where there is none to read, as in a
-    /// narrow gap: such surfaces get the mean of what the others do, for they must not swallow light.
+    /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the
+    /// rays is the mean over the corners, at an eighth of the reads. [`Transfer::NO_POINT`] where none can serve, as
+    /// in a narrow gap: such surfaces get the mean of the others' irradiance, for they must not swallow light.
     from: u32,
     /// The surface's normal.
     n: Vec3,
     /// Radiance along the ray per unit of irradiance at the surface.
     weight: Vec3,
-    /// Irradiance on the sides per unit of radiance (see [`GatherRays::sphere`]).
+    /// Irradiance on the cube faces per unit of radiance (see [`GatherRays::sphere`]).
     lobe: Vec3,
 }
 
 impl Transfer {
-    const NOWHERE: u32 = u32::MAX;
+    const NO_POINT: u32 = u32::MAX;
 }
 
-/// The transfers of one point, as far as they are known.
+/// The transfers of one point.
 #[derive(Debug, Default)]
 struct TransferList {
     transfers: Vec<Transfer>,
+    /// Whether every hit could read its point.
     complete: bool,
-    sight_rays: u64,
+    visibility_rays: u64,
 }
 
-/// What the points that are being filled gather.
+/// The light of the points that are being filled, before it is summed bounce by bounce.
 #[derive(Debug, Default)]
-pub(crate) struct GatheredLight {
+pub(crate) struct PendingLight {
     /// T_0, and T_1 without the reflection of T_0.
     emission: Vec<Vec4>,
     first: Vec<Vec4>,
@@ -55,8 +57,8 @@ pub(crate) struct GatheredLight {
     transfers: Vec<Vec<Transfer>>,
 }
 
-impl GatheredLight {
-    /// Whether any level needs the one below of points that hits read.
+impl PendingLight {
+    /// Whether any bounce needs the one below of points that hits read.
     pub(crate) fn reads_points(&self) -> bool {
         self.transfers.iter().any(|transfers| !transfers.is_empty())
     }
@@ -76,11 +78,11 @@ impl IndirectField {
     pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
         let (first, hit_irradiance) = (self.points.len(), self.gather_hit_irradiance);
-        match self.gather_all(direct, marks, first) {
-            Ok(gathered) => self.bounce(direct.scene, gathered),
+        match self.gather_marked(direct, marks, first) {
+            Ok(pending) => self.add_bounces(direct.scene, pending),
             Err(error) => {
-                // Points whose levels nobody knows must not stay.
-                self.points.forget(first);
+                // Points without values must not stay.
+                self.points.truncate(first);
                 self.gather_hit_irradiance = hit_irradiance;
                 return Err(error);
             }
@@ -90,81 +92,82 @@ impl IndirectField {
         Ok(())
     }
 
-    /// What the marked points and all that they depend on gather; they are those from `first` on.
-    fn gather_all(
+    /// Gathers for the marked points and all that they depend on; they get indices from `first` on.
+    fn gather_marked(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
         first: usize,
-    ) -> Result<GatheredLight, Error> {
+    ) -> Result<PendingLight, Error> {
         let scene = direct.scene;
         let directions = sphere_directions(self.gather_rays);
         let mut gathers: Vec<GatherRays> = Vec::new();
-        let mut gathered = GatheredLight::default();
+        let mut pending = PendingLight::default();
 
-        // Hits of new points ask for further points, until they are all there.
+        // Hits of new points read further points, which are gathered for in their turn.
         direct.stats.rays.secondary += self.probe(scene, marks, first)?;
         let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
             gathers.resize_with(gathers.len().max(end - next), GatherRays::default);
             let batch = &mut gathers[..end - next];
-            self.shoot((scene, direct.options), next, &directions, batch);
-            self.light(direct, batch, &mut gathered)?;
-            direct.stats.rays.secondary += self.link(scene, marks, batch, first, &mut gathered)?;
+            self.shoot_rays(scene, direct.options, next, &directions, batch);
+            self.sum_hits(direct, batch, &mut pending)?;
+            direct.stats.rays.secondary += self.find_transfers(scene, marks, batch, first, &mut pending)?;
             next = end;
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
             }
         }
-        Ok(gathered)
+        Ok(pending)
     }
 
-    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on are being filled.
-    /// How many rays it took.
+    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on
+    /// are being filled. Returns how many rays that took.
     pub(crate) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
-        let costs = Costs { passing: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        let wanted = self.points.take(marks, costs, self.max_memory)?;
+        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
+        let marked = self.points.take_marked(marks, costs, self.max_memory)?;
         let points = &self.points;
         let (probed, rays): (Vec<_>, _) = match self.faces {
             CubeFaces::Six => {
-                let look = |&at: &Address| {
-                    let spacing = points.level(at.level).lattice.spacing();
-                    (at, probe(scene, points.position_of(at), spacing))
+                let probe_point = |&address: &Address| {
+                    let spacing = points.level(address.level).lattice.spacing();
+                    (address, probe(scene, points.position_of(address), spacing))
                 };
-                (wanted.par_iter().map(look).collect(), PROBE_RAYS * wanted.len() as u64)
+                (marked.par_iter().map(probe_point).collect(), PROBE_RAYS * marked.len() as u64)
             }
             // The paper's mesh knows no geometry: every point counts.
-            CubeFaces::One => (wanted.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
+            CubeFaces::One => (marked.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
         };
-        probed.into_iter().for_each(|point| self.points.insert(point));
+        probed.into_iter().for_each(|(address, clearance)| self.points.insert(address, clearance));
         Ok(rays)
     }
 
-    /// Memory of a point, with what it takes while it is being filled.
+    /// Memory of a point, bytes, with its transfers while it is being filled.
     pub(crate) fn bytes_per_point(&self) -> u64 {
         self.costs().kept + self.transfer_bytes() + Points::BYTES_PER_POINT
     }
 
-    /// Memory of a point's transfers while it is being filled.
+    /// Memory of a point's transfers while it is being filled, bytes.
     fn transfer_bytes(&self) -> u64 {
-        if self.links() { u64::from(self.gather_rays) * size_of::<Transfer>() as u64 } else { 0 }
+        if self.reflects_light() { u64::from(self.gather_rays) * size_of::<Transfer>() as u64 } else { 0 }
     }
 
-    /// What a point's levels take.
+    /// Memory of a point's values.
     pub(crate) fn costs(&self) -> Costs {
         Costs::kept((self.bounce_values.len() * self.faces.count() * size_of::<Vec4>()) as u64)
     }
 
-    /// Whether light is reflected: rays then bring that of the surfaces where they end.
-    pub(crate) fn links(&self) -> bool {
+    /// Whether rays bring reflected light of the surfaces where they end.
+    pub(crate) fn reflects_light(&self) -> bool {
         self.bounce_values.len() > 1
     }
 
     /// Shoots the gather rays of the points from `first` on, one [`GatherRays`] each.
-    pub(crate) fn shoot(
+    pub(crate) fn shoot_rays(
         &self,
-        (scene, options): (&Scene, &RenderOptions),
+        scene: &Scene,
+        options: &RenderOptions,
         first: usize,
         directions: &[Vec3],
         batch: &mut [GatherRays],
@@ -175,144 +178,149 @@ impl IndirectField {
         });
     }
 
-    /// Sums the light that gather rays meet.
-    pub(crate) fn light(
+    /// Sums the emission that gather rays meet, and the direct light that is reflected where they end.
+    pub(crate) fn sum_hits(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         batch: &mut [GatherRays],
-        gathered: &mut GatheredLight,
+        pending: &mut PendingLight,
     ) -> Result<(), Error> {
-        // Light at the hits: the direct mesh, one wave deeper.
-        if self.links() {
-            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+        // Light the hits from the direct mesh.
+        if self.reflects_light() {
+            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
+        // Sum what arrives at each point.
         for gather in batch {
             let (mut emission, mut first) = ([Vec4::ZERO; 6], [Vec4::ZERO; 6]);
             for &(ray, radiance) in &gather.emitted {
                 self.splat(&mut emission, gather.lobes[ray as usize], radiance);
             }
-            if self.links() {
-                for (vertex, &irradiance) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
-                    self.splat(&mut first, gather.lobes[vertex.pixel as usize], vertex.weight * irradiance);
+            if self.reflects_light() {
+                for (hit, &irradiance) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
+                    self.splat(&mut first, gather.lobes[hit.id as usize], hit.weight * irradiance);
                     self.gather_hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
                 }
-                self.gather_hit_irradiance.1 += gather.lit.vertices.len() as u64;
+                self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
             }
-            let sides = self.faces.count();
-            gathered.emission.extend_from_slice(&emission[..sides]);
-            gathered.first.extend(first[..sides].iter().zip(&emission).map(|(f, e)| f + e));
-            gather.lit.take_counts(direct.stats);
-            let rays = std::mem::take(&mut gather.rays);
-            direct.stats.rays.gather += rays;
-            direct.reporter.add(0, rays);
+            let faces = self.faces.count();
+            pending.emission.extend_from_slice(&emission[..faces]);
+            pending.first.extend(first[..faces].iter().zip(&emission).map(|(f, e)| f + e));
+            gather.take_counts(direct);
         }
         Ok(())
     }
 
-    /// Adds radiance that arrives along a ray to the sides that it reaches.
+    /// Adds radiance that arrives along a ray to the cube faces that it reaches.
     #[inline(always)]
-    fn splat(&self, sides: &mut [Vec4; 6], lobe: Vec3, radiance: Vec3) {
+    fn splat(&self, values: &mut [Vec4; 6], lobe: Vec3, radiance: Vec3) {
         let radiance = radiance.extend(0.0);
         match self.faces {
             CubeFaces::Six => {
                 for axis in 0..3 {
-                    sides[2 * axis + usize::from(lobe[axis] < 0.0)] += radiance * lobe[axis].abs();
+                    values[2 * axis + usize::from(lobe[axis] < 0.0)] += radiance * lobe[axis].abs();
                 }
             }
-            CubeFaces::One => sides[0] += radiance * (4.0 * std::f32::consts::PI / self.gather_rays as f32),
+            CubeFaces::One => values[0] += radiance * (4.0 * std::f32::consts::PI / self.gather_rays as f32),
         }
     }
 
-    /// Finds the points that the hits read; those that are missing join the mesh. How many rays it took.
-    pub(crate) fn link(
+    /// Finds the points that the hits read; those that are missing join the mesh. Returns how many rays that took.
+    pub(crate) fn find_transfers(
         &mut self,
         scene: &Scene,
         marks: &mut Marks,
         batch: &mut [GatherRays],
         first: usize,
-        gathered: &mut GatheredLight,
+        pending: &mut PendingLight,
     ) -> Result<u64, Error> {
-        // Reflected once, direct light needs no points; only emission that is gathered does.
-        if !self.links() || (self.bounce_values.len() == 2 && !scene.has_gathered_emitters()) {
-            gathered.transfers.resize_with(gathered.transfers.len() + batch.len(), Vec::new);
+        // Direct light that is reflected once needs no points, only emission that gather rays find does.
+        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.has_unsampled_emitters()) {
+            pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
         let mut rays = 0;
-        let mut links: Vec<TransferList> = batch.iter().map(|_| TransferList::default()).collect();
+        let mut lists: Vec<TransferList> = batch.iter().map(|_| TransferList::default()).collect();
         loop {
+            // Choose a point for every hit; lists with missing points are made again.
             let field = &*self;
-            batch.par_iter().zip(&mut links).filter(|(_, linked)| !linked.complete).for_each(|(gather, linked)| {
+            batch.par_iter().zip(&mut lists).filter(|(_, list)| !list.complete).for_each(|(gather, list)| {
                 let mut reader = field.points.reader(scene, CornerVisibility::Stochastic);
                 let mut corners = Vec::with_capacity(8);
-                linked.transfers.clear();
-                linked.transfers.reserve(gather.lit.vertices.len());
-                linked.complete = true;
-                for vertex in &gather.lit.vertices {
+                list.transfers.clear();
+                list.transfers.reserve(gather.hits.vertices.len());
+                list.complete = true;
+                for hit in &gather.hits.vertices {
                     corners.clear();
-                    let from = match reader.read(vertex, marks, |index, weight| corners.push((index, weight))) {
-                        ReadResult::Value => choose(corners.iter().copied(), seed_of_position(vertex.position)),
-                        ReadResult::Unavailable => Transfer::NOWHERE,
+                    let from = match reader.read(hit, marks, |index, weight| corners.push((index, weight))) {
+                        ReadResult::Value => choose(corners.iter().copied(), seed_of_position(hit.position)),
+                        ReadResult::Unavailable => Transfer::NO_POINT,
                         ReadResult::Pending => {
-                            linked.complete = false;
+                            list.complete = false;
                             continue;
                         }
                     };
-                    let lobe = gather.lobes[vertex.pixel as usize];
-                    linked.transfers.push(Transfer { from, n: vertex.n, weight: vertex.weight, lobe });
+                    let lobe = gather.lobes[hit.id as usize];
+                    list.transfers.push(Transfer { from, n: hit.n, weight: hit.weight, lobe });
                 }
-                // Stable: the sums keep the order of the rays.
-                linked.transfers.sort_by_key(|t| t.from != Transfer::NOWHERE);
-                linked.sight_rays += reader.visibility_rays();
+                // Those without a point first. Stable: the sums keep the order of the rays.
+                list.transfers.sort_by_key(|t| t.from != Transfer::NO_POINT);
+                list.visibility_rays += reader.visibility_rays();
             });
-            if links.iter().all(|linked| linked.complete) {
-                rays += links.iter().map(|linked| linked.sight_rays).sum::<u64>();
-                gathered.transfers.extend(links.into_iter().map(|linked| linked.transfers));
+            if lists.iter().all(|list| list.complete) {
+                rays += lists.iter().map(|list| list.visibility_rays).sum::<u64>();
+                pending.transfers.extend(lists.into_iter().map(|list| list.transfers));
                 return Ok(rays);
             }
+
+            // Add the points that are missing.
             rays += self.probe(scene, marks, first)?;
         }
     }
 
-    /// The levels of the points that have been gathered for, which follow those that have theirs.
-    fn bounce(&mut self, scene: &Scene, gathered: GatheredLight) {
+    /// Computes every bounce of the points that have been gathered for, which follow those that have their values.
+    fn add_bounces(&mut self, scene: &Scene, pending: PendingLight) {
         for k in 0..self.bounce_values.len() {
-            let level = self.level(scene, k, &gathered);
-            self.bounce_values[k].extend(level);
+            let values = self.bounce(scene, k, &pending);
+            self.bounce_values[k].extend(values);
         }
-        debug_assert!(self.bounce_values.iter().all(|level| level.len() == self.points.len() * self.faces.count()));
+        debug_assert!(self.bounce_values.iter().all(|values| values.len() == self.points.len() * self.faces.count()));
     }
 
-    /// T_k of points that have been gathered for, from T_{k−1} of all points.
-    pub(crate) fn level(&self, scene: &Scene, k: usize, gathered: &GatheredLight) -> Vec<Vec4> {
+    /// Computes T_k of points that have been gathered for, from T_{k−1} of all points.
+    pub(crate) fn bounce(&self, scene: &Scene, k: usize, pending: &PendingLight) -> Vec<Vec4> {
         if k == 0 {
-            return gathered.emission.clone();
+            return pending.emission.clone();
         }
-        if k == 1 && !scene.has_gathered_emitters() {
-            return gathered.first.clone();
+        if k == 1 && !scene.has_unsampled_emitters() {
+            return pending.first.clone();
         }
-        let (sides, below) = (self.faces.count(), &self.bounce_values[k - 1]);
-        let level: Vec<[Vec4; 6]> = gathered
+        let (faces, below) = (self.faces.count(), &self.bounce_values[k - 1]);
+        let values: Vec<[Vec4; 6]> = pending
             .transfers
             .par_iter()
-            .zip(gathered.first.par_chunks_exact(sides))
-            .map(|(transfers, once)| {
+            .zip(pending.first.par_chunks_exact(faces))
+            .map(|(transfers, first)| {
                 let mut values = [Vec4::ZERO; 6];
-                values[..sides].copy_from_slice(once);
+                values[..faces].copy_from_slice(first);
                 let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-                let (nowhere, read) = transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NOWHERE));
-                for t in read {
+                let (without, with) = transfers.split_at(transfers.partition_point(|t| t.from == Transfer::NO_POINT));
+
+                // Light that comes from surfaces that read a point.
+                for t in with {
                     let irradiance = self.irradiance(below, t.from, &AmbientCube::facing(t.n)).truncate();
                     self.splat(&mut values, t.lobe, t.weight * irradiance);
                     (sum, count) = (sum + irradiance, count + 1.0);
                 }
-                for t in nowhere {
+
+                // The others get the mean.
+                for t in without {
                     self.splat(&mut values, t.lobe, t.weight * sum / f32::max(count, 1.0));
                 }
                 values
             })
             .collect();
-        level.iter().flat_map(|values| &values[..sides]).copied().collect()
+        values.iter().flat_map(|values| &values[..faces]).copied().collect()
     }
 }

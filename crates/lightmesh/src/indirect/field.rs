@@ -1,20 +1,18 @@
 //! The indirect field: formula (4) at the points of its own, coarser mesh, bounce by bounce, and formula (6) over them.
 //!
-//! Level k is the light that arrives after k diffuse reflections or fewer, direct light and light that is sampled from lamps
-//! left out: T_0 is the emission that gather rays find, and
+//! T_k is the light that arrives after k diffuse reflections or fewer, without direct light and other light that light
+//! samples stand for: T_0 is the emission that gather rays find, and
 //!
 //! > T_k(x) = gather(Le + a/π (E + T_{k−1})), k = 1 … N,
 //!
-//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. A point's levels depend on the whole level
-//! below, never on the order in which points were asked for; all of them are kept, so that points that are asked for later
-//! can be computed from those that are there.
+//! with E the direct irradiance at the surfaces that the rays hit, a their albedo. T_k of a point depends on T_{k−1}
+//! of all points that its rays read, never on the order in which points were filled; every bounce is kept, so that
+//! points that are marked later can be computed from those that are there.
 
 use glam::{Vec3, Vec4};
 
 use crate::interaction::ShadingPoint;
-use crate::mesh::{
-    AmbientCube, CornerValues, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult, Reader, set_bits,
-};
+use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult};
 use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
@@ -26,14 +24,14 @@ pub(crate) struct IndirectField {
     /// How far gather rays follow mirrors and glass.
     pub(crate) depth: u32,
     pub(crate) seed: u64,
-    /// T_k by level, [`CubeFaces::count`] values a point.
+    /// T_k by bounce, [`CubeFaces::count`] values a point.
     pub(crate) bounce_values: Vec<Vec<Vec4>>,
     /// Sum and number of the direct irradiances at gather hits (mean over channels).
     pub(crate) gather_hit_irradiance: (f64, u64),
     pub(crate) max_memory: u64,
 }
 
-/// What a point keeps of a level.
+/// What a point keeps of a bounce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CubeFaces {
     /// Irradiance on planes that face ±x, ±y, ±z.
@@ -47,7 +45,7 @@ impl CubeFaces {
         if options.method.is_paper() { Self::One } else { Self::Six }
     }
 
-    /// Values per point and level.
+    /// Values per point and bounce.
     pub(crate) fn count(self) -> usize {
         match self {
             Self::Six => 6,
@@ -56,21 +54,21 @@ impl CubeFaces {
     }
 }
 
-/// What a vertex finds in the indirect mesh.
+/// What a surface point reads from the indirect mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum IndirectReading {
     /// Irradiance, lux.
     Irradiance(Vec3),
-    /// No point of the neighbourhood can be used.
+    /// No mesh point around it can serve.
     Unavailable,
-    /// Points are missing; they have been marked.
+    /// Mesh points are missing; they have been marked.
     Pending,
 }
 
 impl IndirectField {
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator, options: &RenderOptions) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator, options: &RenderOptions) -> Self {
         Self {
-            points: Points::new(lattices, neighbourhood),
+            points: Points::new(lattices, interpolator),
             faces: CubeFaces::of(options),
             gather_rays: options.mesh.gather_rays,
             depth: options.transport.depth,
@@ -92,39 +90,38 @@ impl IndirectField {
     }
 
     pub(crate) fn stats(&self) -> MeshStats {
-        let values: usize = self.bounce_values.iter().map(|level| size_of_val(level.as_slice())).sum();
+        let values: usize = self.bounce_values.iter().map(|values| size_of_val(values.as_slice())).sum();
         self.points.stats(values as u64)
     }
 
-    /// T_level of a point as irradiance on a plane whose normal the axes describe.
+    /// T_k of a point, of the `values` of all points, as irradiance on a plane with the normal of `cube`.
     #[inline(always)]
-    pub(super) fn irradiance(&self, level: &[Vec4], index: u32, axes: &AmbientCube) -> Vec4 {
+    pub(super) fn irradiance(&self, values: &[Vec4], index: u32, cube: &AmbientCube) -> Vec4 {
         match self.faces {
             CubeFaces::Six => {
-                let values = &level[index as usize * 6..][..6];
-                let [x, y, z] = axes.faces;
-                values[x] * axes.squares.x + values[y] * axes.squares.y + values[z] * axes.squares.z
+                let values = &values[index as usize * 6..][..6];
+                let [x, y, z] = cube.faces;
+                values[x] * cube.squares.x + values[y] * cube.squares.y + values[z] * cube.squares.z
             }
-            CubeFaces::One => level[index as usize] * 0.25,
+            CubeFaces::One => values[index as usize] * 0.25,
         }
     }
 
-    /// A reader for one thread of what `bounces` reflections bring.
+    /// A reader, for one thread, of the light of `bounces` reflections or fewer.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, bounces: u32, sight: CornerVisibility) -> IndirectReader<'a> {
         IndirectReader {
             field: self,
             values: &self.bounce_values[bounces as usize],
-            reader: self.points.reader(scene, sight),
-            known: CornerValues::default(),
-            corners: [Vec4::ZERO; 8],
+            cached: CachedReader::new(self.points.reader(scene, sight)),
         }
     }
 
-    /// An estimate of what bounces after the last one would add, as a part of all light that arrives, their own included: the
-    /// last bounces' ratio goes on for ever. 0 where there is no indirect light; `None` where the ratio says nothing (1 or more).
+    /// Estimates what bounces after the last one would add, as a part of all light that arrives, their own included:
+    /// as if the last bounces' ratio went on for ever. Returns 0 where there is no indirect light, `None` where the
+    /// ratio is 1 or more.
     pub(crate) fn truncated_light(&self, bounces: u32) -> Option<f64> {
-        let mean = |level: usize| {
-            let values = &self.bounce_values[level];
+        let mean = |bounce: usize| {
+            let values = &self.bounce_values[bounce];
             let sum: f64 = values.iter().map(|v| f64::from(v.truncate().element_sum())).sum();
             sum / 3.0 / values.len().max(1) as f64 / if self.faces == CubeFaces::One { 4.0 } else { 1.0 }
         };
@@ -145,83 +142,35 @@ impl IndirectField {
     }
 }
 
-/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about surfaces of
-/// that normal is kept.
+/// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about
+/// surfaces of that normal is kept.
 pub(crate) struct IndirectReader<'a> {
     field: &'a IndirectField,
     values: &'a [Vec4],
-    reader: Reader<'a>,
-    known: CornerValues,
-    /// Their irradiance; 0 where it is not known.
-    corners: [Vec4; 8],
+    cached: CachedReader<'a, Vec4>,
 }
 
 impl IndirectReader<'_> {
-    /// Ĩ_d(y), formula (6); points that are still empty are marked.
+    /// Returns Ĩ_d(y), formula (6); points that are still empty are marked.
     #[inline(always)]
     pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
-        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
-        if !self.reader.reads_cells() {
-            return self.read_points(vertex, marks);
-        }
-        let seen = match self.reader.corners(vertex, marks) {
-            Ok(seen) => seen,
-            Err(ReadResult::Pending) => return IndirectReading::Pending,
-            Err(_) => return IndirectReading::Unavailable,
-        };
-        if seen.refined > 0.0 {
-            return self.read_points(vertex, marks);
-        }
-        if !self.known.continues(vertex.n, self.reader.visits()) {
-            // A curved surface: the next vertex has another normal.
-            let axes = AmbientCube::facing(vertex.n);
-            for k in set_bits(seen.mask) {
-                let weight = seen.weights[k / 4][k % 4];
-                sum += self.field.irradiance(self.values, self.reader.index(k), &axes) * weight;
-                total += weight;
-            }
-            return IndirectReading::Irradiance(sum.truncate() / total);
-        }
-        self.know(seen.mask, vertex.n);
-        // All eight: a corner that is not seen has no weight.
-        for (z, weights) in seen.weights.iter().enumerate() {
-            for (corner, weight) in self.corners[4 * z..].iter().zip(weights.to_array()) {
-                sum += corner * weight;
-                total += weight;
-            }
-        }
-        IndirectReading::Irradiance(sum.truncate() / total)
-    }
-
-    /// The same, point by point.
-    fn read_points(&mut self, vertex: &ShadingPoint, marks: &Marks) -> IndirectReading {
-        let (mut sum, mut total) = (Vec4::ZERO, 0.0);
-        let axes = AmbientCube::facing(vertex.n);
-        let outcome = self.reader.read(vertex, marks, |index, weight| {
-            sum += self.field.irradiance(self.values, index, &axes) * weight;
-            total += weight;
-        });
-        match outcome {
-            ReadResult::Value => IndirectReading::Irradiance(sum.truncate() / total),
-            ReadResult::Unavailable => IndirectReading::Unavailable,
-            ReadResult::Pending => IndirectReading::Pending,
+        let Self { field, values, cached } = self;
+        let sum = cached.fold(
+            vertex,
+            marks,
+            (Vec4::ZERO, 0.0),
+            |index| field.irradiance(values, index, &AmbientCube::facing(vertex.n)),
+            |(sum, total), irradiance, weight| (sum + irradiance * weight, total + weight),
+        );
+        match sum {
+            Ok((sum, total)) => IndirectReading::Irradiance(sum.truncate() / total),
+            Err(ReadResult::Pending) => IndirectReading::Pending,
+            Err(_) => IndirectReading::Unavailable,
         }
     }
 
-    /// Sums up the corners of `mask` for the normal, those that are not known yet.
-    #[inline(always)]
-    fn know(&mut self, mask: u8, n: Vec3) {
-        if self.known.is_empty() {
-            self.corners = [Vec4::ZERO; 8];
-        }
-        let axes = AmbientCube::facing(n);
-        for k in self.known.add(mask) {
-            self.corners[k] = self.field.irradiance(self.values, self.reader.index(k), &axes);
-        }
-    }
-
-    /// Rays shot so far to find out which points vertices see.
+    /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
-        self.reader.visibility_rays()
+        self.cached.reader.visibility_rays()
     }
 }

@@ -1,10 +1,10 @@
-//! Indirect light at surfaces that no mesh point can be read from: gather rays from the surface itself.
+//! Indirect light at surfaces that no mesh point can serve: gather rays from the surface itself.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{GatherRays, Strata};
+use super::gather::{GatherRays, HemisphereRays, Strata};
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;
@@ -17,39 +17,41 @@ const RAYS: u32 = 64;
 const AT_ONCE: usize = 1024;
 
 impl IndirectField {
-    /// The indirect irradiance at each of the vertices after so many `bounces`: formula (4) over their own hemispheres, with
-    /// the mesh read where the rays end.
+    /// Computes the indirect irradiance at each of the points after so many `bounces`: formula (4) over their own
+    /// hemispheres, with the mesh read where the rays end. Other seeds give other rays.
     ///
     /// # Errors
     /// As [`IndirectField::fill`].
-    pub(crate) fn gather_at(
+    pub(crate) fn final_gather(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        vertices: &[ShadingPoint],
-        (bounces, seed): (u32, u64),
+        points: &[ShadingPoint],
+        bounces: u32,
+        seed: u64,
     ) -> Result<Vec<Vec3>, Error> {
-        let mut irradiance = Vec::with_capacity(vertices.len());
+        let mut irradiance = Vec::with_capacity(points.len());
         let mut gathers: Vec<GatherRays> = Vec::new();
-        for chunk in vertices.chunks(AT_ONCE) {
+        let rays = HemisphereRays { count: RAYS, seed, strata: Strata::Centered };
+        for chunk in points.chunks(AT_ONCE) {
+            // Shoot the rays of each point.
             gathers.resize_with(gathers.len().max(chunk.len()), GatherRays::default);
             let batch = &mut gathers[..chunk.len()];
             let (scene, options) = (direct.scene, direct.options);
-            batch.par_iter_mut().zip(chunk).for_each(|(gather, vertex)| {
-                gather.hemispheres(scene, options, std::slice::from_ref(vertex), (RAYS, seed, Strata::Centered));
+            batch.par_iter_mut().zip(chunk).for_each(|(gather, point)| {
+                gather.hemispheres(scene, options, std::slice::from_ref(point), rays);
                 if bounces == 0 {
-                    gather.lit.vertices.clear();
+                    gather.hits.vertices.clear();
                 }
             });
-            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.lit).collect();
-            let seconds = direct.light(CornerVisibility::Stochastic, &mut lists)?;
+
+            // Light the surfaces where they end, and sum what arrives.
+            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
+            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
-            irradiance.extend(self.sum(direct, marks, batch, bounces)?);
+            irradiance.extend(self.sum_arriving(direct, marks, batch, bounces)?);
             for gather in batch {
-                gather.lit.take_counts(direct.stats);
-                let rays = std::mem::take(&mut gather.rays);
-                direct.stats.rays.gather += rays;
-                direct.reporter.add(0, rays);
+                gather.take_counts(direct);
             }
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
@@ -58,15 +60,16 @@ impl IndirectField {
         Ok(irradiance)
     }
 
-    /// The irradiance of each gather's surface. Hits that cannot read the mesh in their turn lie in the same gap as
-    /// the surface, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
-    fn sum(
+    /// Sums the light that arrives along each point's rays. Hits that cannot read the mesh in their turn lie in the
+    /// same gap as the point, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
+    fn sum_arriving(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
         batch: &[GatherRays],
         bounces: u32,
     ) -> Result<Vec<Vec3>, Error> {
+        // Read the mesh and fill it, until no hit waits.
         loop {
             let field = &*self;
             let sums: Vec<(Option<Vec3>, u64)> = batch
@@ -77,10 +80,10 @@ impl IndirectField {
                     let lobe = |ray: u32| gather.lobes[ray as usize].x;
                     let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
                     let (mut gap, mut complete) = (Vec3::ZERO, true);
-                    for (vertex, &direct) in gather.lit.vertices.iter().zip(&gather.lit.direct) {
-                        let weight = vertex.weight * lobe(vertex.pixel);
+                    for (hit, &direct) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
+                        let weight = hit.weight * lobe(hit.id);
                         sum += weight * direct;
-                        match reader.read(vertex, marks) {
+                        match reader.read(hit, marks) {
                             IndirectReading::Irradiance(irradiance) => sum += weight * irradiance,
                             IndirectReading::Unavailable => gap += weight,
                             IndirectReading::Pending => complete = false,

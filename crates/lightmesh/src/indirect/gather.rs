@@ -1,18 +1,18 @@
-//! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose light
-//! arrives there. The sum of formula (4) over evenly spread directions.
+//! Gather rays: from a mesh point over the whole sphere, or from a surface over its hemisphere, to the surfaces whose
+//! light arrives there. The sum of formula (4) over evenly spread directions.
 //!
-//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light over a plane is
-//! a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light with them: the kernel's
-//! tails reach beyond finite walls.
+//! Tried: to blur the direct light at a hit to the ray's footprint, by summing it that far behind the surface (light
+//! over a plane is a Poisson kernel, so this is an exact convolution). Blotches go, and 4 to 9% of the indirect light
+//! with them: the kernel's tails reach beyond finite walls.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat3, Quat, Vec2, Vec3};
 
 use crate::bvh::Hit;
-use crate::direct::ShadingBatch;
-use crate::geometry::Ray;
-use crate::interaction::{MAX_TRANSPARENT_HITS, ShadingPoint, evaluate};
+use crate::direct::{DirectLighting, ShadingBatch};
+use crate::geometry::{Cone, Ray};
+use crate::interaction::{Lobe, PathRay, ShadingPoint, evaluate};
 use crate::mesh::Address;
 use crate::sampling::{basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32};
 use crate::{RenderOptions, Scene};
@@ -23,24 +23,34 @@ const INV_GOLDEN: u32 = 2_654_435_769;
 /// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(crate) struct GatherRays {
-    /// By ray.
+    /// By ray: irradiance per unit of radiance that arrives along it.
     pub lobes: Vec<Vec3>,
     /// Emission that rays met, cd/m² times throughput, with the ray's number.
     pub emitted: Vec<(u32, Vec3)>,
-    /// The diffuse surfaces at which rays ended; `pixel` is the ray's number, `weight` the radiance that arrives along it
-    /// per unit of irradiance there.
-    pub lit: ShadingBatch,
+    /// The diffuse surfaces at which rays ended: ids are indices of rays, weights the radiance that arrives along the
+    /// ray per unit of irradiance at the surface.
+    pub hits: ShadingBatch,
     /// Rays traced.
     pub rays: u64,
     batch: Vec<Ray>,
-    /// What each ray's choices are made with.
+    /// By ray, what its random numbers are made from.
     seeds: Vec<u32>,
-    hits: Vec<Option<Hit>>,
+    first_hits: Vec<Option<Hit>>,
 }
 
-/// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical Fibonacci
-/// Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same parts of the scene and of
-/// its meshes.
+/// How rays are shot from surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HemisphereRays {
+    /// Rays per surface.
+    pub count: u32,
+    /// Other seeds give other rays.
+    pub seed: u64,
+    pub strata: Strata,
+}
+
+/// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical
+/// Fibonacci Mapping", SIGGRAPH Asia 2015, eq. 2). Neighbours follow each other, so that their rays meet the same
+/// parts of the scene and of its meshes.
 pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     let mut directions: Vec<Vec3> = (0..count)
         .map(|i| {
@@ -54,8 +64,8 @@ pub(crate) fn sphere_directions(count: u32) -> Vec<Vec3> {
     directions
 }
 
-/// A place on a curve that fills the sphere: the Morton code of the direction's place on the octahedron, unfolded, of 256 × 256
-/// cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
+/// The position of a direction on a curve that fills the sphere: its Morton code on the unfolded octahedron of 256 ×
+/// 256 cells (Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014).
 fn octahedral_morton(d: Vec3) -> u32 {
     let p = d / (d.x.abs() + d.y.abs() + d.z.abs());
     let folded = |a: f32, b: f32| if p.z < 0.0 { (1.0 - b.abs()) * 1.0_f32.copysign(a) } else { a };
@@ -64,18 +74,18 @@ fn octahedral_morton(d: Vec3) -> u32 {
     (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
 }
 
-/// How rays of a hemisphere are spread over its heights, of which each has an equal part.
+/// Where in its stratum of the hemisphere's height a ray lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strata {
-    /// In the middle of its part: least noise where there are many.
+    /// In the middle: least noise where there are many.
     Centered,
     /// Anywhere in it: the expectation is exact.
     Jittered,
 }
 
 /// The seed of a mesh point.
-pub(super) fn seed_of_point(seed: u64, at: Address) -> u32 {
-    seed_of_coordinate(seed.wrapping_add(u64::from(at.level) << 48), at.coordinate)
+pub(super) fn seed_of_point(seed: u64, address: Address) -> u32 {
+    seed_of_coordinate(seed.wrapping_add(u64::from(address.level) << 48), address.coordinate)
 }
 
 /// A rotation, uniform over all (Shoemake, "Uniform Random Rotations", Graphics Gems III, 1992).
@@ -87,14 +97,23 @@ pub(super) fn random_rotation(seed: u32) -> Mat3 {
 }
 
 impl GatherRays {
-    /// Memory, bytes.
+    /// Returns its memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let rays = size_of::<Vec3>() + size_of::<Ray>() + size_of::<u32>() + size_of::<Option<Hit>>();
-        self.batch.len() * rays + size_of_val(self.emitted.as_slice()) + size_of_val(self.lit.vertices.as_slice())
+        self.batch.len() * rays + size_of_val(self.emitted.as_slice()) + size_of_val(self.hits.vertices.as_slice())
     }
 
-    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the side of ±x,
-    /// ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π on each side.
+    /// Moves the counts of rays into the frame's.
+    pub(super) fn take_counts(&mut self, direct: &mut DirectLighting<'_, '_>) {
+        self.hits.take_counts(direct.stats);
+        let rays = std::mem::take(&mut self.rays);
+        direct.stats.rays.gather += rays;
+        direct.reporter.add(0, rays);
+    }
+
+    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the cube
+    /// face of ±x, ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π
+    /// on each face.
     pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
         let rotation = random_rotation(seed);
         self.lobes.clear();
@@ -115,30 +134,31 @@ impl GatherRays {
         self.trace(scene, options);
     }
 
-    /// Shoots `count` rays from each of some surfaces, in proportion to the cosine; other seeds give other rays. Lobes: π / count, in x.
+    /// Shoots rays from each of some points, in proportion to the cosine. Lobes: π / count, in x.
     pub(super) fn hemispheres(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        vertices: &[ShadingPoint],
-        (count, seed, heights): (u32, u64, Strata),
+        points: &[ShadingPoint],
+        rays: HemisphereRays,
     ) {
+        let HemisphereRays { count, seed, strata } = rays;
         self.lobes.clear();
-        self.lobes.resize(vertices.len() * count as usize, Vec3::X * (PI / count as f32));
+        self.lobes.resize(points.len() * count as usize, Vec3::X * (PI / count as f32));
         self.batch.clear();
         self.seeds.clear();
-        for vertex in vertices {
-            let seed = seed_of_surface(seed, vertex.position);
-            let (t, b) = basis(vertex.n);
+        for point in points {
+            let seed = seed_of_surface(seed, point.position);
+            let (t, b) = basis(point.n);
             for i in 0..count {
-                let height = match heights {
+                let height = match strata {
                     Strata::Centered => 0.5,
                     Strata::Jittered => unit_f32(hash(seed ^ hash(!i))),
                 };
                 let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
-                let direction = t * local.x + b * local.y + vertex.n * local.z;
-                self.batch.push(Ray::new(vertex.origin_towards(direction), direction));
+                let direction = t * local.x + b * local.y + point.n * local.z;
+                self.batch.push(Ray::new(point.origin_towards(direction), direction));
                 self.seeds.push(hash(seed ^ hash(i)));
             }
         }
@@ -147,64 +167,61 @@ impl GatherRays {
 
     /// Follows every ray to a diffuse surface.
     fn trace(&mut self, scene: &Scene, options: &RenderOptions) {
-        self.hits.clear();
-        self.hits.resize(self.batch.len(), None);
-        scene.bvh().closest_batch(&self.batch, &mut self.hits);
+        // Trace the first hits of all rays at once.
+        self.first_hits.clear();
+        self.first_hits.resize(self.batch.len(), None);
+        scene.bvh().closest_batch(&self.batch, &mut self.first_hits);
         self.rays += self.batch.len() as u64;
+
+        // Follow each ray from there.
         self.emitted.clear();
-        self.lit.vertices.clear();
+        self.hits.vertices.clear();
         for i in 0..self.batch.len() {
-            if let Some(hit) = self.hits[i] {
-                self.follow(scene, options, i as u32, hit, self.seeds[i]);
+            if let Some(hit) = self.first_hits[i] {
+                self.follow(scene, options, i as u32, hit);
             }
         }
     }
 
-    /// From the first hit through layers, mirrors and glass to a diffuse surface: one way is chosen at each, in proportion to
-    /// what it carries.
-    fn follow(&mut self, scene: &Scene, options: &RenderOptions, number: u32, hit: Hit, seed: u32) {
-        let (mut ray, mut hit, mut beta, mut dice) = (self.batch[number as usize], hit, Vec3::ONE, seed);
-        let (mut depth, mut layers) = (0, 0);
+    /// Follows a ray from its first hit through partly transparent surfaces, mirrors and glass to a diffuse surface.
+    /// One lobe is chosen at each surface, in proportion to its albedo.
+    fn follow(&mut self, scene: &Scene, options: &RenderOptions, id: u32, mut hit: Hit) {
+        let mut path = PathRay::new(self.batch[id as usize], Cone::POINT);
+        let (mut beta, mut state) = (Vec3::ONE, self.seeds[id as usize]);
         loop {
-            let surface = evaluate(scene, &ray, &hit);
-            dice = hash(dice);
-            if surface.opacity < 1.0 && unit_f32(dice) >= surface.opacity {
-                layers += 1;
-                if layers > MAX_TRANSPARENT_HITS {
-                    return;
-                }
-                ray.t_min = hit.t;
+            let surface = evaluate(scene, &path.ray, &hit);
+            state = hash(state);
+            if surface.lets_through(|| unit_f32(state)) {
+                // Go straight through, by chance.
+                let Some(passed) = path.pass_through(&hit) else { return };
+                path = passed;
             } else {
-                layers = 0;
-                if surface.illuminating != Vec3::ZERO && scene.is_gathered(hit.target) {
-                    self.emitted.push((number, beta * surface.illuminating));
+                // Add emission that no light sample stands for.
+                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(hit.target) {
+                    self.emitted.push((id, beta * surface.illuminating));
                 }
-                let specular = if depth < options.transport.depth { 1.0 } else { 0.0 };
-                let ways = [surface.diffuse, surface.mirror * specular, surface.refraction * specular];
-                let shares = ways.map(Vec3::max_element);
-                let total: f32 = shares.iter().sum();
-                if total <= 0.0 {
-                    return;
+
+                // End at a diffuse surface, or go on by a specular lobe.
+                let mut lobes = surface.lobes();
+                if path.depth >= options.transport.depth {
+                    lobes = lobes.without_specular();
                 }
-                dice = hash(dice);
-                let u = unit_f32(dice) * total;
-                let way = if u < shares[0] {
-                    0
-                } else if u < shares[0] + shares[1] || shares[2] == 0.0 {
-                    1
-                } else {
-                    2
-                };
-                if way == 0 {
-                    self.lit.vertices.push(surface.shading_point(beta * (total / shares[0]), number));
-                    return;
+                state = hash(state);
+                let Some(sample) = lobes.sample(unit_f32(state)) else { return };
+                match sample.lobe {
+                    Lobe::Diffuse => {
+                        // The point's weight has the albedo.
+                        self.hits.vertices.push(surface.shading_point(beta * sample.inverse_pdf, id));
+                        return;
+                    }
+                    Lobe::Specular(lobe) => {
+                        beta *= sample.throughput();
+                        path = path.spawn(&hit, &surface, lobe);
+                    }
                 }
-                beta *= ways[way] * (total / shares[way]);
-                depth += 1;
-                ray = surface.spawn_ray(if way == 1 { surface.reflect(ray.direction) } else { surface.refracted });
             }
             self.rays += 1;
-            let Some(next) = scene.bvh().closest(&ray) else { return };
+            let Some(next) = scene.bvh().closest(&path.ray) else { return };
             hit = next;
         }
     }
@@ -215,8 +232,8 @@ mod tests {
     use super::*;
     use crate::sampling::chi_square::assert_uniform;
 
-    /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss it by
-    /// 18% (one standard deviation).
+    /// Σ max(0, ω·n) 4π/G over even directions is ∫ = π within 2% for 64 of them, whatever the axis; random ones miss
+    /// it by 18% (one standard deviation).
     #[test]
     fn directions_are_even() {
         let directions = sphere_directions(64);

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
-use crate::light::sample_ball;
+use crate::light::sample_unit_ball;
 use crate::sampling::{Sampler, pdf_cosine_hemisphere};
 use crate::scene::Light;
 use crate::world::Scene;
@@ -13,8 +13,9 @@ use crate::world::Scene;
 /// A shadow ray to a point on a surface stops this part of its length short of it.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
-/// The share of the estimate that a sample of density `pdf` gets, where another way would have found it with `other` (Veach
-/// 1997, section 9.2.4, β = 2).
+/// The weight of a sample of density `pdf`, where another sampler would have found it with density `other` (Veach
+/// 1997, section
+/// 9.2.4, β = 2).
 pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
     if pdf == 0.0 {
         return 0.0;
@@ -23,7 +24,7 @@ pub(super) fn power_heuristic(pdf: f32, other: f32) -> f32 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Samples lamps and counts its shadow rays.
+/// Samples emitters that have a size, and counts its shadow rays.
 #[derive(Debug, Default)]
 pub(super) struct EmitterSampler {
     rays: u64,
@@ -32,94 +33,91 @@ pub(super) struct EmitterSampler {
 }
 
 impl EmitterSampler {
-    /// Whether a ray that leaves a diffuse surface may meet light.
+    /// Whether a ray that leaves a diffuse surface may meet emission that counts.
     pub(super) fn can_be_hit(&self, scene: &Scene) -> bool {
         let emitters = scene.emitters();
-        !emitters.area.is_dark() || emitters.environment.is_some() || scene.has_gathered_emitters()
+        !emitters.area.is_dark() || emitters.environment.is_some() || scene.has_unsampled_emitters()
     }
 
-    /// The shadow rays since the last call.
+    /// Returns the shadow rays since the last call.
     pub(super) fn take_rays(&mut self) -> u64 {
         std::mem::take(&mut self.rays)
     }
 
-    /// Irradiance from one point of the area lights.
+    /// Estimates the irradiance from all area lights with one point on them.
     pub(super) fn area(
         &mut self,
         scene: &Scene,
         falloff: Falloff,
-        vertex: &ShadingPoint,
+        point: &ShadingPoint,
         sampler: &mut Sampler,
     ) -> Vec3 {
         let lights = &scene.emitters().area;
         if lights.is_dark() {
             return Vec3::ZERO;
         }
-        let Some(point) = lights.sample(scene.data(), sampler.next_pair()) else { return Vec3::ZERO };
-        let d = point.position - vertex.position;
+        let Some(emitter) = lights.sample(scene.data(), sampler.next_pair()) else { return Vec3::ZERO };
+        let d = emitter.position - point.position;
         let r2 = d.length_squared();
         let direction = d / r2.sqrt();
-        let (cos, ahead) = (vertex.n.dot(direction), -point.normal.dot(direction));
-        let cos_light = if point.two_sided { ahead.abs() } else { ahead };
+        let (cos, ahead) = (point.n.dot(direction), -emitter.normal.dot(direction));
+        let cos_light = if emitter.two_sided { ahead.abs() } else { ahead };
         if cos.is_nan() || cos <= 0.0 || cos_light <= 0.0 {
             return Vec3::ZERO;
         }
-        let ray = Ray { t_max: SEGMENT_END, ..Ray::segment(vertex.origin_towards(direction), point.position) };
+        let ray = Ray { t_max: SEGMENT_END, ..Ray::segment(point.origin_towards(direction), emitter.position) };
         let v = self.visibility(scene, ray);
         if v == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let share = self.share(v, point.pdf * r2 / cos_light, cos);
-        let attenuation = match falloff {
-            Falloff::InverseSquare => 1.0 / r2,
-            Falloff::ConstantPlusDistance { constant } => 1.0 / (constant + r2.sqrt()),
-        };
-        point.emission * v * (cos * cos_light * attenuation / point.pdf * share)
+        let weight = self.weight(v, emitter.pdf * r2 / cos_light, cos);
+        let attenuation = falloff.attenuation(r2, r2.sqrt());
+        emitter.emission * v * (cos * cos_light * attenuation / emitter.pdf * weight)
     }
 
-    /// Irradiance from one direction of the environment.
-    pub(super) fn environment(&mut self, scene: &Scene, vertex: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
+    /// Estimates the irradiance from the environment with one direction.
+    pub(super) fn environment(&mut self, scene: &Scene, point: &ShadingPoint, sampler: &mut Sampler) -> Vec3 {
         let Some(environment) = &scene.emitters().environment else { return Vec3::ZERO };
         let (direction, pdf) = environment.sample(sampler.next_pair());
-        let cos = vertex.n.dot(direction);
+        let cos = point.n.dot(direction);
         if cos <= 0.0 || pdf <= 0.0 {
             return Vec3::ZERO;
         }
-        let v = self.visibility(scene, Ray::new(vertex.origin_towards(direction), direction));
+        let v = self.visibility(scene, Ray::new(point.origin_towards(direction), direction));
         if v == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        environment.radiance(direction) * v * (cos / pdf * self.share(v, pdf, cos))
+        environment.radiance(direction) * v * (cos / pdf * self.weight(v, pdf, cos))
     }
 
-    /// Irradiance from one point in the ball of every punctual light.
+    /// Estimates the irradiance from punctual lights with one point in the sphere of each.
     pub(super) fn sphere_lights(
         &mut self,
         scene: &Scene,
         falloff: Falloff,
-        vertex: &ShadingPoint,
+        point: &ShadingPoint,
         sampler: &mut Sampler,
     ) -> Vec3 {
         let radius = scene.emitters().light_radius;
         let mut sum = Vec3::ZERO;
         for light in &scene.data().lights {
             let u = Vec3::new(sampler.next(), sampler.next(), sampler.next());
-            let light = light.moved(sample_ball(u) * radius);
-            let (towards, illuminance) = light.arriving(falloff, vertex.position);
-            let cos = vertex.n.dot(towards.normalize_or_zero());
+            let light = light.moved(sample_unit_ball(u) * radius);
+            let (towards, illuminance) = light.arriving(falloff, point.position);
+            let cos = point.n.dot(towards.normalize_or_zero());
             if cos <= 0.0 || illuminance == Vec3::ZERO {
                 continue;
             }
             let t_max = if matches!(light, Light::Directional { .. }) { f32::INFINITY } else { SEGMENT_END };
-            let ray = Ray { t_max, ..Ray::new(vertex.origin_towards(towards), towards) };
+            let ray = Ray { t_max, ..Ray::new(point.origin_towards(towards), towards) };
             sum += illuminance * self.visibility(scene, ray) * cos;
         }
         sum
     }
 
-    /// The share of a light sample of density `pdf` (per steradian) at angle `cos`. Where the shadow ray went through glass or
-    /// layers, no bounce counts the light.
-    fn share(&self, v: Vec3, pdf: f32, cos: f32) -> f32 {
+    /// The weight of a light sample of density `pdf` (per steradian) at angle `cos`. Where the shadow ray went through
+    /// glass or partly transparent surfaces, no bounce counts the light.
+    fn weight(&self, v: Vec3, pdf: f32, cos: f32) -> f32 {
         if v == Vec3::ONE { power_heuristic(pdf, pdf_cosine_hemisphere(cos)) } else { 1.0 }
     }
 
@@ -137,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shares_of_both_ways_are_one_in_all() {
+    fn the_weights_of_both_samplers_sum_to_one() {
         for (a, b) in [(0.1, 3.0), (1e-3, 1e4), (PI, PI), (2.0, 0.0)] {
             assert!((power_heuristic(a, b) + power_heuristic(b, a) - 1.0).abs() < 1e-6);
         }

@@ -1,4 +1,4 @@
-//! What samples meet first, for the layers of a picture.
+//! The surfaces that samples meet first, for the layers of a picture.
 
 use glam::Vec3;
 
@@ -17,14 +17,15 @@ struct FirstHit {
     position: Vec3,
     albedo: Vec3,
     normal: Vec3,
-    /// Its place among the vertices that want light, if it is one.
-    vertex: Option<u32>,
-    /// The part of the mesh points it asked for that it can use, and the refinement of their cell.
+    /// Its index among the points to be lit, if it is one.
+    point: Option<u32>,
+    /// The fraction of the mesh points around it that it can use.
     usable: f32,
+    /// The refinement of the mesh cell around it.
     refinement: u32,
 }
 
-/// The first hits of a block's samples; nothing where nobody asks. Buffers are kept from use to use.
+/// The first hits of a block's samples; empty where the picture has no layers. Buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(super) struct FirstHits {
     hits: Vec<FirstHit>,
@@ -35,42 +36,42 @@ impl FirstHits {
         self.hits.clear();
     }
 
-    /// Remembers a surface that covers the part `weight` of a sample.
-    pub(super) fn push(&mut self, pixel: u32, weight: f32, surface: &ShadedHit, vertex: Option<u32>) {
+    /// Adds a surface that covers the part `weight` of a sample; `point` is its index among the points to be lit.
+    pub(super) fn push(&mut self, pixel: u32, weight: f32, surface: &ShadedHit, point: Option<u32>) {
         self.hits.push(FirstHit {
             pixel,
             weight,
             position: surface.position,
             albedo: (surface.diffuse + surface.mirror + surface.refraction).min(Vec3::ONE),
             normal: surface.n,
-            vertex,
+            point,
             usable: 1.0,
             refinement: 0,
         });
     }
 
-    /// Looks up what the mesh, which has been filled for them, answered to the `vertices` among the hits. Returns the
-    /// rays that it took.
+    /// Looks up how the `points` among the hits read the mesh, which is filled by now. Returns how many rays that took.
     pub(super) fn read_mesh(
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        (field, marks): (&DirectField, &Marks),
-        vertices: &[ShadingPoint],
+        field: &DirectField,
+        marks: &Marks,
+        points: &[ShadingPoint],
     ) -> u64 {
         if self.hits.is_empty() || !options.picture.aovs.iter().any(Aov::needs_mesh) {
             return 0;
         }
-        // Vertices that face no light have asked for nothing.
-        let points: Vec<_> = vertices.iter().map(|v| (v.position, v.n)).collect();
-        let unshadowed = field.lights().read_irradiance(scene, options.transport.falloff, &points);
+        // Points that face no light did not read the mesh.
+        let receivers: Vec<_> = points.iter().map(|point| (point.position, point.n)).collect();
+        let unshadowed = field.lights().read_irradiance(scene, options.transport.falloff, &receivers);
         let mut reader = field.reader(scene, CornerVisibility::All);
         for hit in &mut self.hits {
-            let Some(i) = hit.vertex.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {
+            let Some(i) = hit.point.map(|i| i as usize).filter(|&i| unshadowed[i] != Vec3::ZERO) else {
                 continue;
             };
-            hit.usable = reader.usable_fraction(&vertices[i], marks);
-            hit.refinement = field.level_at(&vertices[i]);
+            hit.usable = reader.usable_fraction(&points[i], marks);
+            hit.refinement = field.level_at(&points[i]);
         }
         reader.visibility_rays()
     }
@@ -79,7 +80,7 @@ impl FirstHits {
     pub(super) fn add_to(&self, film: &mut Film) {
         for hit in &self.hits {
             film.add_surface(hit.pixel, hit.weight, hit.albedo, hit.normal, hit.position);
-            if hit.vertex.is_some() {
+            if hit.point.is_some() {
                 film.layers().add_reading(hit.pixel, hit.weight, hit.usable, hit.refinement);
             }
         }

@@ -1,11 +1,13 @@
-//! Path-traced irradiance at meters: the truth that meters of the other methods are tested against. Mitsuba's `irradiancemeter` is the model.
+//! Path-traced irradiance at meters, as by Mitsuba's `irradiancemeter`: the truth that meters of the other methods are
+//! tested against.
 //!
-//! A sample is what a sample of a picture finds at a white Lambertian surface: a light sample of every kind, and paths that leave in
-//! directions in proportion to the cosine.
+//! A sample is what a sample of a picture finds at a white Lambertian surface: a light sample of every kind, and paths
+//! that leave in directions in proportion to the cosine.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::meters::MeterIrradiance;
 use super::path::PathTracer;
 use crate::progress::Reporter;
 use crate::sampling::{Sampler, hash, seed_of_position};
@@ -15,25 +17,31 @@ use crate::{Error, Meter, Progress, RayCounts, RenderOptions, RenderStats, Scene
 const BLOCK: u32 = 256;
 const WAVE: usize = 1 << 16;
 
-/// Sums over some samples of a meter, direct and indirect, and the rays that they took.
-type Sums = ([DVec3; 2], RayCounts);
+/// Sums over some samples of a meter, and the rays that they took.
+#[derive(Default)]
+struct SampleSums {
+    direct: DVec3,
+    indirect: DVec3,
+    rays: RayCounts,
+}
 
-/// Direct and indirect irradiance of every meter, lux.
+/// Measures direct and indirect irradiance at every meter, by path tracing.
 pub(crate) fn measure_paths(
     scene: &Scene,
     meters: &[Meter],
     options: &RenderOptions,
     progress: &dyn Progress,
-) -> Result<([Vec<Vec3>; 2], RenderStats), Error> {
+) -> Result<(MeterIrradiance, RenderStats), Error> {
     let started = std::time::Instant::now();
     let mut stats = RenderStats::default();
     let spp = options.picture.spp;
     let reporter = Reporter::new(progress, Stage::Measure, meters.len() as u64 * u64::from(spp));
-    let [mut direct, mut indirect] = [(); 2].map(|()| Vec::with_capacity(meters.len()));
+    let empty = || Vec::with_capacity(meters.len());
+    let mut measured = MeterIrradiance { direct: empty(), indirect: empty() };
     let blocks_per_meter = spp.div_ceil(BLOCK);
     for wave in meters.chunks((WAVE / spp as usize).max(1)) {
         // Few meters with many samples are as much work for many threads as many with few.
-        let blocks: Vec<Sums> = (0..wave.len() as u32 * blocks_per_meter)
+        let blocks: Vec<SampleSums> = (0..wave.len() as u32 * blocks_per_meter)
             .into_par_iter()
             .map(|i| {
                 let (meter, first) = (&wave[(i / blocks_per_meter) as usize], i % blocks_per_meter * BLOCK);
@@ -44,41 +52,44 @@ pub(crate) fn measure_paths(
             return Err(Error::Cancelled);
         }
         for blocks in blocks.chunks(blocks_per_meter as usize) {
-            let mut sums = [DVec3::ZERO; 2];
-            for (part, rays) in blocks {
-                sums = [sums[0] + part[0], sums[1] + part[1]];
-                stats.rays += *rays;
+            let (mut direct, mut indirect) = (DVec3::ZERO, DVec3::ZERO);
+            for block in blocks {
+                direct += block.direct;
+                indirect += block.indirect;
+                stats.rays += block.rays;
             }
-            let [e, further] = sums.map(|sum| (sum / f64::from(spp)).as_vec3());
-            direct.push(e);
-            indirect.push(further);
+            measured.direct.push((direct / f64::from(spp)).as_vec3());
+            measured.indirect.push((indirect / f64::from(spp)).as_vec3());
         }
     }
     stats.seconds.shade = started.elapsed().as_secs_f64();
     stats.spp = spp;
-    Ok(([direct, indirect], stats))
+    Ok((measured, stats))
 }
 
-/// Takes some samples of a meter, until the work is cancelled. Its numbers are seeded by its own place and direction.
+/// Takes some samples of a meter, until the work is cancelled. Random numbers are seeded by the meter's position and
+/// direction.
 fn trace(
     scene: &Scene,
     meter: &Meter,
     options: &RenderOptions,
     samples: std::ops::Range<u32>,
     reporter: &Reporter<'_>,
-) -> Sums {
+) -> SampleSums {
+    let mut sums = SampleSums::default();
     if reporter.cancelled() {
-        return Sums::default();
+        return sums;
     }
-    let vertex = meter.shading_point(scene);
-    let seed = hash(seed_of_position(vertex.position)) ^ seed_of_position(vertex.n);
+    let point = meter.shading_point(scene);
+    let seed = hash(seed_of_position(point.position)) ^ seed_of_position(point.n);
     let mut tracer = PathTracer::new(scene, options);
-    let mut sums = [DVec3::ZERO; 2];
     let count = u64::from(samples.end - samples.start);
     for sample in samples {
-        let e = tracer.irradiance(&vertex, &mut Sampler::new(options.seed, seed, sample));
-        sums = [sums[0] + e.direct.as_dvec3(), sums[1] + e.indirect.as_dvec3()];
+        let e = tracer.irradiance(&point, &mut Sampler::new(options.seed, seed, sample));
+        sums.direct += e.direct.as_dvec3();
+        sums.indirect += e.indirect.as_dvec3();
     }
     reporter.add(count, tracer.rays.total());
-    (sums, tracer.rays)
+    sums.rays = tracer.rays;
+    sums
 }

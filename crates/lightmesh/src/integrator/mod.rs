@@ -1,19 +1,34 @@
-//! The tracers: waves of hits that the mesh or exact shadow rays light, and the path tracer.
+//! The six methods of [`Method`](crate::Method), drawn as pictures and measured by meters.
 //!
-//! The reflection model is documented at [`Material`](crate::Material).
+//! | method | light of a surface | where |
+//! |---|---|---|
+//! | `path` | paths of its own | `path.rs`, `emitter_sampling.rs`; meters: `meter_paths.rs` |
+//! | `standard` | a shadow ray to every light | `wave.rs`, `lighting.rs`; meters: `meters.rs` |
+//! | `mesh` | read from the light mesh; with an error bound, by the plan of `adaptive/` | as `standard` |
+//! | `paper` | read from the light mesh, as in the paper | as `standard` |
+//! | `hybrid` | from the mesh light by light, with shadow rays where its points differ | as `standard` |
+//! | `unbiased` | the mesh as control variate of shadow and gather rays | as `standard` |
+//!
+//! [`adapt`] decides how a picture is lit, then [`WaveFrame::draw_picture`] draws it: `wave` sends `block`s of rays,
+//! `lighting` lights the points that they hit. The reflection model is documented at [`Material`](crate::Material),
+//! and `interaction/scatter.rs` has the choice of where rays go on.
 
 mod adaptive;
 mod block;
 mod emitter_sampling;
 mod first_hits;
+mod lighting;
 mod meter_paths;
 mod meters;
 mod path;
+mod point_block;
 mod points_overlay;
 mod wave;
 
+pub(crate) use adaptive::adapt;
+pub(crate) use lighting::Lighting;
 pub(crate) use meter_paths::measure_paths;
-pub(crate) use meters::measure_waves;
+pub(crate) use meters::{MeterIrradiance, measure_waves};
 pub(crate) use path::{render_path, trace_pass};
-pub(crate) use points_overlay::{Dots, paint};
-pub(crate) use wave::{Lighting, Purpose, WaveFrame, render_waves};
+pub(crate) use points_overlay::{Dots, PointCloud, paint_points};
+pub(crate) use wave::{WaveFrame, WaveSink};

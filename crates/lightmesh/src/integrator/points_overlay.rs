@@ -3,25 +3,25 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use crate::film::View;
 use crate::geometry::Ray;
 use crate::options::{Aov, Layer};
 use crate::scene::FilmRays;
 use crate::world::Scene;
 
-/// What a mesh's points look like.
+/// What points look like.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Dots {
     /// Linear RGB.
     color: Vec3,
     /// In spacings of the mesh.
     radius: f32,
-    /// Up to which distance behind a surface they shine through it, in spacings: those inside solids are never in
-    /// sight.
+    /// Up to which distance behind a surface they shine through it, in spacings: those inside solids are never visible.
     shines_through: f32,
 }
 
 impl Dots {
-    /// Green: points of the direct mesh that know their light.
+    /// Green: points of the direct mesh that have their light.
     pub(crate) const DIRECT: Self = Self { color: Vec3::new(0.07, 0.78, 0.16), radius: 0.09, shines_through: 0.0 };
     /// Red: points of the direct mesh inside solids.
     pub(crate) const DIRECT_INVALID: Self =
@@ -31,6 +31,15 @@ impl Dots {
     /// Orange: points of the indirect mesh inside solids.
     pub(crate) const INDIRECT_INVALID: Self =
         Self { color: Vec3::new(0.95, 0.3, 0.02), radius: 0.06, shines_through: 1.8 };
+}
+
+/// Points of a mesh, to be painted.
+#[derive(Clone, Debug)]
+pub(crate) struct PointCloud {
+    pub(crate) dots: Dots,
+    /// The mesh's, metres.
+    pub(crate) spacing: f32,
+    pub(crate) positions: Vec<Vec3>,
 }
 
 /// Radius in pixels: a ball is at least a dot, and one beside the camera does not hide the picture.
@@ -52,55 +61,50 @@ struct Ball {
     near: f32,
 }
 
-/// Paints [`Aov::Points`] of `layers`, which hold albedo, normal and depth as well: `points`, each list with the
-/// spacing of its mesh, over the scene. Returns how many rays it took to find out which are in sight.
-pub(crate) fn paint(
-    scene: &Scene,
-    (rays, width, height): (&FilmRays, u32, u32),
-    layers: &mut [Layer],
-    points: &[(Dots, f32, Vec<Vec3>)],
-) -> u64 {
+/// Paints the points over the scene, on the layer [`Aov::Points`]; the layers of albedo, normal and depth must be
+/// there as well. Returns how many rays found out which points are visible.
+pub(crate) fn paint_points(scene: &Scene, view: &View, layers: &mut [Layer], points: &[PointCloud]) -> u64 {
     let Some(canvas) = layers.iter_mut().find(|layer| layer.aov == Aov::Points) else { return 0 };
     let mut picture = std::mem::take(&mut canvas.values);
     let layer = |aov| layers.iter().find(|layer| layer.aov == aov).map_or(&[][..], |layer| &layer.values);
     let (albedo, normal, depth) = (layer(Aov::Albedo), layer(Aov::Normal), layer(Aov::Depth));
 
-    // The scene, grey, as if the lamp were at the camera.
+    // Paint the scene, grey, as if its only light were at the camera.
     for (i, pixel) in picture.chunks_exact_mut(3).enumerate() {
-        let at = |values: &[f32]| Vec3::from_slice(&values[3 * i..]);
-        let view = rays.ray((i as u32 % width) as f32 + 0.5, (i as u32 / width) as f32 + 0.5).direction;
-        let grey = at(albedo).dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        pixel.fill(0.25 * grey * (0.25 + 0.75 * at(normal).dot(view).abs()));
+        let value = |values: &[f32]| Vec3::from_slice(&values[3 * i..]);
+        let direction = view.pixel_ray(i as u32).direction;
+        let grey = value(albedo).dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        pixel.fill(0.25 * grey * (0.25 + 0.75 * value(normal).dot(direction).abs()));
     }
 
-    // Which points are in sight.
+    // Find the visible points.
     let mut balls: Vec<Ball> = Vec::new();
     let mut shot = 0;
-    for (dots, spacing, positions) in points {
-        let on_film: Vec<Vec3> = positions.iter().copied().filter(|&p| is_on_film(rays, (width, height), p)).collect();
+    for PointCloud { dots, spacing, positions } in points {
+        let on_film: Vec<Vec3> = positions.iter().copied().filter(|&p| is_on_film(view, p)).collect();
         shot += on_film.len() as u64;
-        balls.par_extend(on_film.into_par_iter().filter_map(|p| ball(scene, rays, dots, *spacing, p)));
+        balls.par_extend(on_film.into_par_iter().filter_map(|p| ball(scene, &view.rays, dots, *spacing, p)));
     }
 
-    // The farthest first; a stable order, so that equal depths do not depend on threads.
+    // Draw them, the farthest first; a stable order, so that equal depths do not depend on threads.
     balls.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-    balls.iter().for_each(|ball| ball.draw(&mut picture, depth, (width, height)));
+    balls.iter().for_each(|ball| ball.draw(&mut picture, depth, view));
     let canvas = layers.iter_mut().filter(|layer| layer.aov == Aov::Points);
     canvas.for_each(|layer| layer.values = std::mem::take(&mut picture));
     shot
 }
 
 /// Whether a point is in front of the camera and inside the picture.
-fn is_on_film(rays: &FilmRays, (width, height): (u32, u32), p: Vec3) -> bool {
-    if rays.depth(p) <= 0.0 {
+fn is_on_film(view: &View, p: Vec3) -> bool {
+    if view.rays.depth(p) <= 0.0 {
         return false;
     }
-    let (center, _) = rays.project(p);
-    let size = Vec2::new(width as f32, height as f32);
+    let (center, _) = view.rays.project(p);
+    let size = Vec2::new(view.width as f32, view.height as f32);
     (center.cmpge(Vec2::splat(-MAX_RADIUS)) & center.cmple(size + MAX_RADIUS)).all()
 }
 
-/// The ball of a point, unless it is out of sight.
+/// The ball of a point; `None` where a surface hides it.
 fn ball(scene: &Scene, rays: &FilmRays, dots: &Dots, spacing: f32, p: Vec3) -> Option<Ball> {
     let depth = rays.depth(p);
     let (center, pixels_per_metre) = rays.project(p);
@@ -123,16 +127,16 @@ fn ball(scene: &Scene, rays: &FilmRays, dots: &Dots, spacing: f32, p: Vec3) -> O
 }
 
 impl Ball {
-    /// Draws it over what is there: shaded as by a lamp at the camera, with a smooth rim.
-    fn draw(&self, picture: &mut [f32], depth: &[f32], (width, height): (u32, u32)) {
+    /// Draws it over the picture, shaded as by a light at the camera, with a smooth rim.
+    fn draw(&self, picture: &mut [f32], depth: &[f32], view: &View) {
         let reach = self.radius + 0.5;
         let range = |center: f32, size: u32| {
             let first = (center - reach).floor().clamp(0.0, size as f32) as u32;
             first..((center + reach).ceil().clamp(0.0, size as f32) as u32)
         };
-        for y in range(self.center.y, height) {
-            for x in range(self.center.x, width) {
-                let i = y as usize * width as usize + x as usize;
+        for y in range(self.center.y, view.height) {
+            for x in range(self.center.x, view.width) {
+                let i = y as usize * view.width as usize + x as usize;
                 let d = Vec2::new(x as f32 + 0.5, y as f32 + 0.5).distance(self.center);
                 let alpha = self.alpha * (reach - d).clamp(0.0, 1.0);
                 if alpha > 0.0 && depth[i] >= self.near {

@@ -1,4 +1,4 @@
-//! Where a ray hit, before the material is looked up: position, normals, texture coordinates, tangents.
+//! The geometry of a hit, before the material is looked up: position, normals, texture coordinates, tangents.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -21,7 +21,7 @@ pub(super) struct SurfaceInteraction<'a> {
     pub front: bool,
     /// Texture coordinates of both sets.
     pub uvs: [Vec2; 2],
-    /// The part of the textures that is seen, in both sets.
+    /// The part of the textures that the ray's cone covers, in both sets.
     pub footprints: [Footprint; 2],
     /// Linear RGBA of the vertices.
     pub color: Vec4,
@@ -37,7 +37,7 @@ pub(super) struct SurfaceInteraction<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct PlacedTriangle<'a> {
     pub mesh: &'a TriangleMesh,
-    /// The numbers of its corners.
+    /// The indices of its corners.
     pub corners: [usize; 3],
     /// From the first corner to the others, metres.
     pub edges: [Vec3; 2],
@@ -45,7 +45,7 @@ pub(super) struct PlacedTriangle<'a> {
     pub normal: Vec3,
 }
 
-/// `n`, turned to the side of `reference`.
+/// Returns `n` or its opposite, whichever is on the side of `reference`.
 pub(crate) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
     if n.dot(reference) < 0.0 { -n } else { n }
 }
@@ -53,13 +53,13 @@ pub(crate) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
 /// Evaluates the geometry that `ray` hit; footprints are left out.
 pub(super) fn intersect_geometry<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> SurfaceInteraction<'a> {
     match hit.target {
-        Target::Triangle { instance, triangle } => locate_triangle(scene, ray, hit, instance, triangle),
+        Target::Triangle { instance, triangle } => triangle_interaction(scene, ray, hit, instance, triangle),
         Target::Sphere(i) => {
             let sphere = &scene.data().spheres[i as usize];
             // Back onto the surface: o + t·d is off by the rounding of t.
             let position = sphere.center + sphere.normal(ray.at(hit.t)) * sphere.radius;
             let extent = sphere.center.abs().max_element() + sphere.radius;
-            locate_smooth(ray, position, sphere.normal(position), sphere.uv(position), extent, sphere.material)
+            smooth_interaction(ray, position, sphere.normal(position), sphere.uv(position), extent, sphere.material)
         }
         Target::Shape(i) => {
             let entry = &scene.data().shapes[i as usize];
@@ -67,13 +67,13 @@ pub(super) fn intersect_geometry<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> 
             let bounds = entry.shape.bounds();
             let extent = bounds.min.abs().max(bounds.max.abs()).max_element().max(ray.origin.abs().max_element());
             let (n, uv) = (entry.shape.normal(position), entry.shape.uv(position));
-            locate_smooth(ray, position, n, uv, extent, entry.material)
+            smooth_interaction(ray, position, n, uv, extent, entry.material)
         }
     }
 }
 
 /// A sphere or user-defined shape: the normal is exact, so it is geometric and shading normal in one.
-fn locate_smooth(
+fn smooth_interaction(
     ray: &Ray,
     position: Vec3,
     outward: Vec3,
@@ -98,26 +98,35 @@ fn locate_smooth(
     }
 }
 
-fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, triangle: u32) -> SurfaceInteraction<'a> {
+fn triangle_interaction<'a>(
+    scene: &'a Scene,
+    ray: &Ray,
+    hit: &Hit,
+    instance: u32,
+    triangle: u32,
+) -> SurfaceInteraction<'a> {
     let placed = &scene.data().instances[instance as usize];
     let mesh = &scene.data().meshes[placed.mesh];
-    let frame = scene.frame(instance);
+    let frame = scene.instance_frame(instance);
     let corners = mesh.triangles[triangle as usize].map(|i| i as usize);
     let b = [1.0 - hit.u - hit.v, hit.u, hit.v];
 
-    // The point from the corners: closer to the surface than o + t·d is.
+    // Compute the point from the corners: closer to the surface than o + t·d is.
     let mut p = corners.map(|i| mesh.positions[i]);
     if !frame.is_identity {
         p = p.map(|p| placed.world_from_object.transform_point3(p));
     }
     let position = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
     let extent = p[0].abs().max(p[1].abs()).max(p[2].abs()).max_element();
+
+    // Turn the geometric normal to the viewer.
     let edges = [p[1] - p[0], p[2] - p[0]];
     let normal = edges[0].cross(edges[1]);
     let outward = (normal * frame.handedness).try_normalize().unwrap_or_else(|| -ray.direction.normalize());
     let front = outward.dot(ray.direction) < 0.0;
     let ng = if front { outward } else { -outward };
 
+    // Interpolate normal, colour and texture coordinates.
     let n = if mesh.normals.is_empty() {
         ng
     } else {
@@ -131,7 +140,7 @@ fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, tr
         mesh.colors[corners[0]] * b[0] + mesh.colors[corners[1]] * b[1] + mesh.colors[corners[2]] * b[2]
     };
     let uvs = [0, 1].map(|set| interpolate(&mesh.uvs[set], corners, b));
-    let mut place = SurfaceInteraction {
+    let mut interaction = SurfaceInteraction {
         position,
         ng,
         n,
@@ -144,6 +153,8 @@ fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, tr
         tangents: None,
         triangle: Some(PlacedTriangle { mesh, corners, edges, normal }),
     };
+
+    // Find the tangents that a normal map needs.
     if let Some(map) = scene.data().materials[mesh.material].normal_texture {
         let outward = if front { n } else { -n };
         let frame = if mesh.tangents.is_empty() {
@@ -152,9 +163,9 @@ fn locate_triangle<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit, instance: u32, tr
             tangents_from_mesh(mesh, corners, b, placed, outward)
         };
         // Seen from behind, the whole frame is turned over (glTF 2.0 §3.9.6).
-        place.tangents = frame.map(|(t, b)| if front { (t, b) } else { (-t, -b) });
+        interaction.tangents = frame.map(|(t, b)| if front { (t, b) } else { (-t, -b) });
     }
-    place
+    interaction
 }
 
 fn interpolate(values: &[Vec2], corners: [usize; 3], b: [f32; 3]) -> Vec2 {

@@ -1,11 +1,11 @@
-//! Meters: places where irradiance is measured, which no camera needs to look at.
+//! Meters: points at which irradiance is measured without a camera.
 
 use glam::{DVec3, Vec3};
 
 use super::surface::ShadingPoint;
 use crate::{Error, Scene};
 
-/// A place where irradiance is measured: on a surface, or in free space as on a work plane.
+/// A point at which irradiance is measured: on a surface, or in free space as on a work plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meter {
     /// World space, metres.
@@ -39,12 +39,12 @@ impl Meter {
         Err(Error::InvalidMeter { index, what })
     }
 
-    /// The meter as a vertex. The step of its rays off the surface that it may lie on is that of an object as large as the scene: a
-    /// millionth of its largest coordinate, at the least, where the meter is next to the origin.
+    /// The meter as a point to be lit. Its rays start off the surface that it may lie on by the step of an object as
+    /// large as the scene: a millionth of its largest coordinate, at the least, where the meter is next to the origin.
     pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
         let bounds = scene.bounds();
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let n = self.direction();
-        ShadingPoint { position: self.position, n, ng: n, extent, weight: Vec3::ONE, pixel: 0 }
+        ShadingPoint { position: self.position, n, ng: n, extent, weight: Vec3::ONE, id: 0 }
     }
 }

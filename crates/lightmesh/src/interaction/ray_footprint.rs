@@ -1,4 +1,4 @@
-//! Which part of its textures a cone sees where it meets a surface.
+//! The part of a surface's textures that a cone covers.
 
 use glam::{Vec2, Vec3};
 
@@ -8,34 +8,34 @@ use crate::geometry::{Cone, Ray, Sphere};
 use crate::scene::Footprint;
 use crate::world::Scene;
 
-/// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer footprints are
-/// looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
+/// A cone that grazes a surface is taken to meet it at this cosine at least: 32 times as long as wide. Longer
+/// footprints are looked up sparsely anyway; this keeps them on the surface they belong to where it curves away.
 const LEAST_COS: f32 = 1.0 / 32.0;
 
-/// The footprints in both sets of texture coordinates, of the cone about the ray, of unit direction, that hit `place`. Surfaces of
-/// users have none, as they tell nothing of their coordinates' growth.
+/// The footprints, in both sets of texture coordinates, of the cone about a ray of unit direction that hit a surface.
+/// User-defined shapes have none, as they do not give the gradients of their coordinates.
 pub(super) fn footprints(
     scene: &Scene,
     ray: &Ray,
     cone: Cone,
     hit: &Hit,
-    place: &SurfaceInteraction<'_>,
+    interaction: &SurfaceInteraction<'_>,
 ) -> [Footprint; 2] {
-    let material = &scene.data().materials[place.material];
+    let material = &scene.data().materials[interaction.material];
     if !material.has_averaged_textures() || cone == Cone::POINT {
         return [Footprint::POINT; 2];
     }
-    let section = Section::new(ray.direction, place.ng, cone, hit.t);
-    match (hit.target, &place.triangle) {
+    let section = Section::new(ray.direction, interaction.ng, cone, hit.t);
+    match (hit.target, &interaction.triangle) {
         (_, Some(triangle)) => {
-            let section = section.on(barycentric_growth(triangle));
+            let section = section.footprint(barycentric_gradients(triangle));
             [0, 1].map(|set| match triangle.mesh.uvs[set].as_slice() {
                 [] => Footprint::POINT,
                 uvs => section.mapped(triangle.corners.map(|i| uvs[i])),
             })
         }
         (Target::Sphere(i), None) => {
-            [section.on(growth_on_sphere(&scene.data().spheres[i as usize], place.position)); 2]
+            [section.footprint(sphere_gradients(&scene.data().spheres[i as usize], interaction.position)); 2]
         }
         _ => [Footprint::POINT; 2],
     }
@@ -45,15 +45,19 @@ pub(super) fn footprints(
 struct Section {
     /// What two perpendicular diameters of the cone meet. Which two does not matter to how the section spreads.
     diameters: (Vec3, Vec3),
-    /// From the place that the ray hits to the middle.
+    /// From the point that the ray hits to the middle.
     offset: Vec3,
 }
 
-/// How much two coordinates grow along a vector: their gradients.
-type Growth = (Vec3, Vec3);
+/// The gradients of two texture coordinates, per metre.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Gradients {
+    u: Vec3,
+    v: Vec3,
+}
 
 impl Section {
-    /// With the plane of the unit normal `n`, so many metres along the unit direction `d`.
+    /// The section with a plane of unit normal `n`, so many metres along the unit direction `d`.
     pub(crate) fn new(d: Vec3, n: Vec3, cone: Cone, distance: f32) -> Self {
         let cos = n.dot(d);
         let along_d = d * (1.0 / cos.abs().max(LEAST_COS).copysign(cos));
@@ -61,35 +65,35 @@ impl Section {
         let meet = |beside: Vec3| beside - along_d * beside.dot(n);
         let width = cone.width_at(distance);
         let (x, y) = d.any_orthonormal_pair();
-        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.aside * width) }
+        Self { diameters: (meet(x * width), meet(y * width)), offset: meet(cone.offset * width) }
     }
 
-    /// In the coordinates that grow like this.
-    fn on(&self, (u, v): Growth) -> Footprint {
-        let along = |vector: Vec3| Vec2::new(vector.dot(u), vector.dot(v));
-        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], aside: along(self.offset) }
+    /// The footprint in the coordinates with these gradients.
+    fn footprint(&self, gradients: Gradients) -> Footprint {
+        let along = |vector: Vec3| Vec2::new(vector.dot(gradients.u), vector.dot(gradients.v));
+        Footprint { sides: [along(self.diameters.0), along(self.diameters.1)], offset: along(self.offset) }
     }
 }
 
-/// How a triangle's second and third barycentric coordinate grow; not at all where there is no area.
-fn barycentric_growth(triangle: &PlacedTriangle<'_>) -> Growth {
+/// The gradients of a triangle's second and third barycentric coordinate; 0 where it has no area.
+fn barycentric_gradients(triangle: &PlacedTriangle<'_>) -> Gradients {
     let PlacedTriangle { edges: [e1, e2], normal, .. } = *triangle;
     let area2 = normal.length_squared();
     if area2 < f32::MIN_POSITIVE {
-        return (Vec3::ZERO, Vec3::ZERO);
+        return Gradients::default();
     }
     let per_area = normal * (1.0 / area2);
-    (e2.cross(per_area), per_area.cross(e1))
+    Gradients { u: e2.cross(per_area), v: per_area.cross(e1) }
 }
 
-/// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, grown by the circle of latitude, and latitude over π
-/// towards the south. At a pole, where all longitudes meet, there are none.
-fn growth_on_sphere(sphere: &Sphere, position: Vec3) -> Growth {
+/// The gradients of [`Sphere::uv`]: longitude over 2π towards the east, one turn per circle of latitude, and latitude
+/// over π towards the south; 0 at a pole, where all longitudes meet.
+fn sphere_gradients(sphere: &Sphere, position: Vec3) -> Gradients {
     use std::f32::consts::{PI, TAU};
     let n = sphere.normal(position);
     let parallel = (n.x * n.x + n.z * n.z).sqrt();
-    let Some(east) = Vec3::new(n.z, 0.0, -n.x).try_normalize() else { return (Vec3::ZERO, Vec3::ZERO) };
-    (east / (TAU * sphere.radius * parallel), east.cross(n) / (PI * sphere.radius))
+    let Some(east) = Vec3::new(n.z, 0.0, -n.x).try_normalize() else { return Gradients::default() };
+    Gradients { u: east / (TAU * sphere.radius * parallel), v: east.cross(n) / (PI * sphere.radius) }
 }
 
 #[cfg(test)]
@@ -104,7 +108,7 @@ mod tests {
         for d in [Vec3::new(0.5, -0.7, 0.3), Vec3::new(0.9, -0.5, -0.1), -n, n] {
             let d = d.normalize();
             for aside in [d.any_orthonormal_vector(), d.cross(d.any_orthonormal_vector()) * 0.3] {
-                let cone = Cone { width: 0.01, spread: 0.02, aside };
+                let cone = Cone { width: 0.01, spread: 0.02, offset: aside };
                 let section = Section::new(d, n, cone, 2.0);
                 // The point 0.05 · aside beside the ray, moved along d into the plane.
                 let beside = aside * 0.05;
@@ -117,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Texture coordinates that are linear functions of the place: how they grow are the functions' gradients.
+    /// Texture coordinates that are linear functions of the position: their gradients are those of the functions.
     #[test]
     fn gradients_of_linear_coordinates() {
         let mesh = TriangleMesh::default();
@@ -131,16 +135,16 @@ mod tests {
         let triangle = placed(p);
         let [e1, e2] = triangle.edges;
         let section = Section { diameters: (e1 * 0.3, e2 - e1), offset: e2 * 0.1 };
-        let found = section.on(barycentric_growth(&triangle)).mapped(p.map(coordinates));
+        let found = section.footprint(barycentric_gradients(&triangle)).mapped(p.map(coordinates));
         let expected = Footprint {
             sides: [coordinates(section.diameters.0), coordinates(section.diameters.1)],
-            aside: coordinates(section.offset),
+            offset: coordinates(section.offset),
         };
         for (found, expected) in found.sides.into_iter().zip(expected.sides) {
             assert!((found - expected).length() < 1e-5, "{found} {expected}");
         }
-        assert!((found.aside - expected.aside).length() < 1e-5);
-        assert_eq!(barycentric_growth(&placed([Vec3::ZERO, Vec3::X, Vec3::X * 2.0])), (Vec3::ZERO, Vec3::ZERO));
+        assert!((found.offset - expected.offset).length() < 1e-5);
+        assert_eq!(barycentric_gradients(&placed([Vec3::ZERO, Vec3::X, Vec3::X * 2.0])), Gradients::default());
     }
 
     /// A small step on a sphere changes its coordinates by as much as the gradients say.
@@ -152,7 +156,7 @@ mod tests {
             let (position, step) = (at(n), n.cross(Vec3::new(0.3, 0.1, 0.9)).normalize() * 2e-3);
             let beside = sphere.center + (position + step - sphere.center).normalize() * sphere.radius;
             let change = sphere.uv(beside) - sphere.uv(position);
-            let (du, dv) = growth_on_sphere(&sphere, position);
+            let Gradients { u: du, v: dv } = sphere_gradients(&sphere, position);
             assert!((change - Vec2::new(step.dot(du), step.dot(dv))).length() < 1e-5, "{change}");
         }
     }

@@ -1,4 +1,4 @@
-//! What a ray finds where it hits: position, normals and the reflection model's numbers.
+//! The surface at a hit: position, normals and the numbers of the reflection model.
 
 use glam::{Vec3, Vec4};
 
@@ -10,10 +10,7 @@ use crate::geometry::{Cone, Ray, offset_origin, offset_origins};
 use crate::scene::{ColorEncoding, Material, TextureRef};
 use crate::world::Scene;
 
-/// BLEND and MASK layers that a ray may pass in a row.
-pub(crate) const MAX_TRANSPARENT_HITS: u8 = 64;
-
-/// A surface point that wants light: what a tracer needs to know of it.
+/// A surface point to be lit: what direct and indirect lighting need to know of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadingPoint {
     /// Metres, world space.
@@ -24,19 +21,20 @@ pub(crate) struct ShadingPoint {
     pub ng: Vec3,
     /// The largest coordinate of the object that was hit, metres: sets how far rays start off the surface.
     pub extent: f32,
-    /// Radiance at the film per unit of irradiance: throughput · albedo / π.
+    /// Radiance that reaches the start of the path, at the film or along a gather ray, per unit of irradiance here:
+    /// throughput · albedo / π.
     pub weight: Vec3,
-    /// Which film pixel it belongs to.
-    pub pixel: u32,
+    /// Whatever the tracer numbers its paths by: the film's pixel, or the index of the gather ray.
+    pub id: u32,
 }
 
 impl ShadingPoint {
-    /// Where a ray towards `direction` starts: off the surface on that side.
+    /// Returns where a ray along `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
         offset_origin(self.position, self.ng, self.extent, direction)
     }
 
-    /// Where rays to the side of `ng` start, and those to the other one.
+    /// Returns where rays to the side of `ng` start, and those to the other one.
     #[inline(always)]
     pub(crate) fn origins(&self) -> [Vec3; 2] {
         offset_origins(self.position, self.ng, self.extent)
@@ -52,35 +50,35 @@ pub(crate) struct ShadedHit {
     pub extent: f32,
     /// The fraction of the ray that meets the surface; the rest goes on.
     pub opacity: f32,
-    /// Radiance that is shown towards the viewer, cd/m²: emission, or the colour of an unlit surface.
+    /// Radiance towards the viewer, cd/m²: emission, or the colour of an unlit surface.
     pub emission: Vec3,
-    /// The part of it that lights other surfaces: not that of unlit ones.
+    /// The part of it that lights other surfaces: none for unlit ones.
     pub illuminating: Vec3,
     /// Lambertian albedo.
     pub diffuse: Vec3,
-    /// Weight of the mirror direction.
+    /// Albedo of the mirror direction.
     pub mirror: Vec3,
-    /// Weight of the refracted direction.
+    /// Albedo of the refracted direction.
     pub refraction: Vec3,
-    /// Its direction; the ray's own where nothing is refracted.
+    /// The refracted direction; the ray's own where nothing is refracted.
     pub refracted: Vec3,
 }
 
 impl ShadedHit {
-    /// The surface as a vertex that wants light, reached with throughput `beta`.
-    pub(crate) fn shading_point(&self, beta: Vec3, pixel: u32) -> ShadingPoint {
+    /// The surface as a point to be lit, which path number `id` has reached with throughput `beta`.
+    pub(crate) fn shading_point(&self, beta: Vec3, id: u32) -> ShadingPoint {
         ShadingPoint {
             position: self.position,
             n: self.n,
             ng: self.ng,
             extent: self.extent,
             weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
-            pixel,
+            id,
         }
     }
 
-    /// The mirror direction of an arriving `direction`; about the geometric normal where the shading normal would send it
-    /// into the surface.
+    /// Returns the mirror direction of an arriving `direction`; about the geometric normal where the shading normal
+    /// would send it into the surface.
     pub(crate) fn reflect(&self, direction: Vec3) -> Vec3 {
         let d = direction.normalize();
         let about = |n: Vec3| d - n * (2.0 * n.dot(d));
@@ -99,36 +97,39 @@ pub(crate) fn evaluate(scene: &Scene, ray: &Ray, hit: &Hit) -> ShadedHit {
     evaluate_at(scene, ray, &intersect_geometry(scene, ray, hit))
 }
 
-/// Evaluates what `ray` hit, its colours averaged over what the cone about it sees. Normal maps and the maps of roughness, metal and
-/// transmission are looked up at a point: what they say acts on light through curves and thresholds, and the picture of a mean is not
-/// the mean of pictures.
+/// Evaluates what `ray` hit, its colours averaged over what the cone about it covers. Normal maps and the maps of
+/// roughness, metal and transmission are looked up at a point: they act on light through curves and thresholds, and
+/// the picture of a mean is not the mean of pictures.
 pub(crate) fn evaluate_footprint(scene: &Scene, ray: &Ray, cone: Cone, hit: &Hit) -> ShadedHit {
-    let mut place = intersect_geometry(scene, ray, hit);
-    place.footprints = footprints(scene, ray, cone, hit, &place);
-    evaluate_at(scene, ray, &place)
+    let mut interaction = intersect_geometry(scene, ray, hit);
+    interaction.footprints = footprints(scene, ray, cone, hit, &interaction);
+    evaluate_at(scene, ray, &interaction)
 }
 
-/// Evaluates the material at a place; the model is documented at [`Material`].
-fn evaluate_at(scene: &Scene, ray: &Ray, place: &SurfaceInteraction<'_>) -> ShadedHit {
-    let material = &scene.data().materials[place.material];
-    let n = bumped_normal(scene, material, place);
-    let base = base_color(scene, material, place);
-    let coverage = coverage(material, base.w);
+/// Evaluates the material where a ray hit; the model is documented at [`Material`].
+fn evaluate_at(scene: &Scene, ray: &Ray, interaction: &SurfaceInteraction<'_>) -> ShadedHit {
+    // Look up opacity and colours.
+    let material = &scene.data().materials[interaction.material];
+    let n = bumped_normal(scene, material, interaction);
+    let base = base_color(scene, material, interaction);
+    let opacity = material_opacity(material, base.w);
     let base = base.truncate();
     if material.unlit {
-        return ShadedHit { emission: base, ..plain(place, n, coverage) };
+        return ShadedHit { emission: base, ..plain(interaction, n, opacity) };
     }
-    // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area lights.
-    let shines = place.front || material.double_sided;
-    let emission = if shines { emission(scene, material, place) } else { Vec3::ZERO };
-    let lambert = ShadedHit { emission, illuminating: emission, diffuse: base, ..plain(place, n, coverage) };
+    // The back of a single-sided surface shades, as Mitsuba's and Cycles' do, but does not shine, as Mitsuba's area
+    // lights.
+    let shines = interaction.front || material.double_sided;
+    let emission = if shines { emission(scene, material, interaction) } else { Vec3::ZERO };
+    let lambert = ShadedHit { emission, illuminating: emission, diffuse: base, ..plain(interaction, n, opacity) };
     if material.is_lambert() {
         return lambert;
     }
 
-    let rough_metal = linear_texture(scene, material.metallic_roughness_texture, place);
+    // Look up what makes mirrors and glass.
+    let rough_metal = linear_texture(scene, material.metallic_roughness_texture, interaction);
     let (roughness, metallic) = (material.roughness * rough_metal.y, material.metallic * rough_metal.z);
-    let transmission = material.transmission * linear_texture(scene, material.transmission_texture, place).x;
+    let transmission = material.transmission * linear_texture(scene, material.transmission_texture, interaction).x;
     if roughness > Material::MIRROR_ROUGHNESS && transmission == 0.0 {
         return lambert;
     }
@@ -136,18 +137,19 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &SurfaceInteraction<'_>) -> Shad
     // Snell: eta is n_outside / n_inside on the way in, and the inverse on the way out.
     let d = ray.direction.normalize();
     let cos_o = (-n.dot(d)).clamp(0.0, 1.0);
-    let eta = if place.front { 1.0 / material.ior } else { material.ior };
+    let eta = if interaction.front { 1.0 / material.ior } else { material.ior };
     let cos2_t = 1.0 - eta * eta * (1.0 - cos_o * cos_o);
     let thin = material.double_sided;
 
     // Fresnel, by the angle on the thinner side; all of it where nothing can leave a solid.
-    let leaving = transmission > 0.0 && !place.front && !thin;
+    let leaving = transmission > 0.0 && !interaction.front && !thin;
     let fresnel = if leaving && cos2_t <= 0.0 {
         Vec3::ONE
     } else {
-        schlick(scene, material, place, base, metallic, if leaving { cos2_t.sqrt() } else { cos_o })
+        schlick(scene, material, interaction, base, metallic, if leaving { cos2_t.sqrt() } else { cos_o })
     };
 
+    // Share what is not reflected between diffuse reflection and transmission.
     let refracted = if thin || cos2_t <= 0.0 { d } else { d * eta + n * (eta * cos_o - cos2_t.sqrt()) };
     let below = (1.0 - metallic) * (Vec3::ONE - fresnel) * base;
     ShadedHit {
@@ -159,18 +161,18 @@ fn evaluate_at(scene: &Scene, ray: &Ray, place: &SurfaceInteraction<'_>) -> Shad
     }
 }
 
-/// The colour that a shadow ray keeps where it crosses a surface that is not solid.
+/// The part of a shadow ray's light, by channel, that passes a surface which is not opaque.
 pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 {
-    let place = intersect_geometry(scene, ray, hit);
-    let base = base_color(scene, &scene.data().materials[place.material], &place).truncate();
-    let surface = evaluate_at(scene, ray, &place);
+    let interaction = intersect_geometry(scene, ray, hit);
+    let base = base_color(scene, &scene.data().materials[interaction.material], &interaction).truncate();
+    let surface = evaluate_at(scene, ray, &interaction);
     let passed = (1.0 - surface.opacity) * Vec3::ONE.lerp(base, surface.opacity);
     passed + surface.opacity * surface.refraction
 }
 
 /// Whether the surface that was hit stops every shadow ray.
 pub(crate) fn is_opaque(scene: &Scene, hit: &Hit) -> bool {
-    scene.is_solid(material_of(scene, hit))
+    scene.is_opaque(material_of(scene, hit))
 }
 
 /// Index of the hit surface's material.
@@ -183,19 +185,19 @@ fn material_of(scene: &Scene, hit: &Hit) -> usize {
     }
 }
 
-/// Whether the ray met the back of a surface that has one: the sign of a solid's inside.
+/// Whether the ray met the back of a single-sided surface, as it does inside a solid.
 pub(crate) fn is_back_face(scene: &Scene, ray: &Ray, hit: &Hit) -> bool {
     !scene.data().materials[material_of(scene, hit)].double_sided && !intersect_geometry(scene, ray, hit).front
 }
 
 /// A surface that neither emits nor reflects.
-fn plain(place: &SurfaceInteraction<'_>, n: Vec3, coverage: f32) -> ShadedHit {
+fn plain(interaction: &SurfaceInteraction<'_>, n: Vec3, opacity: f32) -> ShadedHit {
     ShadedHit {
-        position: place.position,
+        position: interaction.position,
         n,
-        ng: place.ng,
-        extent: place.extent,
-        opacity: coverage,
+        ng: interaction.ng,
+        extent: interaction.extent,
+        opacity,
         emission: Vec3::ZERO,
         illuminating: Vec3::ZERO,
         diffuse: Vec3::ZERO,
@@ -209,13 +211,13 @@ fn plain(place: &SurfaceInteraction<'_>, n: Vec3, coverage: f32) -> ShadedHit {
 fn schlick(
     scene: &Scene,
     material: &Material,
-    place: &SurfaceInteraction<'_>,
+    interaction: &SurfaceInteraction<'_>,
     base: Vec3,
     metallic: f32,
     cos: f32,
 ) -> Vec3 {
-    let specular = material.specular * linear_texture(scene, material.specular_texture, place).w;
-    let color = material.specular_color * color_texture(scene, material.specular_color_texture, place).truncate();
+    let specular = material.specular * linear_texture(scene, material.specular_texture, interaction).w;
+    let color = material.specular_color * color_texture(scene, material.specular_color_texture, interaction).truncate();
     let ratio = (material.ior - 1.0) / (material.ior + 1.0);
     let f0 = ((ratio * ratio * color).min(Vec3::ONE) * specular).lerp(base, metallic);
     let f90 = Vec3::splat(specular + (1.0 - specular) * metallic);
@@ -224,7 +226,7 @@ fn schlick(
     f0 + (f90 - f0) * m5
 }
 
-fn coverage(material: &Material, alpha: f32) -> f32 {
+fn material_opacity(material: &Material, alpha: f32) -> f32 {
     match material.alpha_mode {
         AlphaMode::Opaque => 1.0,
         AlphaMode::Mask { cutoff } => f32::from(u8::from(alpha >= cutoff)),
@@ -232,36 +234,42 @@ fn coverage(material: &Material, alpha: f32) -> f32 {
     }
 }
 
-fn base_color(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec4 {
-    let texture = color_texture(scene, material.base_color_texture, place);
-    (material.base_color.extend(material.alpha) * place.color * texture).clamp(Vec4::ZERO, Vec4::ONE)
+fn base_color(scene: &Scene, material: &Material, interaction: &SurfaceInteraction<'_>) -> Vec4 {
+    let texture = color_texture(scene, material.base_color_texture, interaction);
+    (material.base_color.extend(material.alpha) * interaction.color * texture).clamp(Vec4::ZERO, Vec4::ONE)
 }
 
-fn emission(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec3 {
-    material.emission * color_texture(scene, material.emission_texture, place).truncate()
+fn emission(scene: &Scene, material: &Material, interaction: &SurfaceInteraction<'_>) -> Vec3 {
+    material.emission * color_texture(scene, material.emission_texture, interaction).truncate()
 }
 
 /// A texture of colours, the mean over the footprint.
-fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &SurfaceInteraction<'_>) -> Vec4 {
+fn color_texture(scene: &Scene, texture_ref: Option<TextureRef>, interaction: &SurfaceInteraction<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
     let image = &scene.data().images[texture.image];
-    let (uv, footprint) = (r.transform.apply(place.uvs[r.uv_set]), place.footprints[r.uv_set]);
+    let (uv, footprint) = (r.transform.apply(interaction.uvs[r.uv_set]), interaction.footprints[r.uv_set]);
     let footprint = footprint.transformed(&r.transform);
-    texture.sample_over(image, || scene.pyramid(texture.image), (uv, footprint), ColorEncoding::Srgb)
+    texture.sample_over(image, || scene.mipmap(texture.image), uv, footprint, ColorEncoding::Srgb)
 }
 
 /// A texture of numbers, at a point.
-fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, place: &SurfaceInteraction<'_>) -> Vec4 {
+fn linear_texture(scene: &Scene, texture_ref: Option<TextureRef>, interaction: &SurfaceInteraction<'_>) -> Vec4 {
     let Some(r) = texture_ref else { return Vec4::ONE };
     let texture = &scene.data().textures[r.texture];
-    texture.sample(&scene.data().images[texture.image], r.transform.apply(place.uvs[r.uv_set]), ColorEncoding::Linear)
+    texture.sample(
+        &scene.data().images[texture.image],
+        r.transform.apply(interaction.uvs[r.uv_set]),
+        ColorEncoding::Linear,
+    )
 }
 
 /// The shading normal, turned by the normal map (glTF 2.0 §3.9.3).
-fn bumped_normal(scene: &Scene, material: &Material, place: &SurfaceInteraction<'_>) -> Vec3 {
-    let (Some(map), Some((tangent, bitangent))) = (material.normal_texture, place.tangents) else { return place.n };
-    let texel = linear_texture(scene, Some(map), place).truncate() * 2.0 - 1.0;
+fn bumped_normal(scene: &Scene, material: &Material, interaction: &SurfaceInteraction<'_>) -> Vec3 {
+    let (Some(map), Some((tangent, bitangent))) = (material.normal_texture, interaction.tangents) else {
+        return interaction.n;
+    };
+    let texel = linear_texture(scene, Some(map), interaction).truncate() * 2.0 - 1.0;
     let (x, y) = (texel.x * material.normal_scale, texel.y * material.normal_scale);
-    (tangent * x + bitangent * y + place.n * texel.z).normalize_or(place.n)
+    (tangent * x + bitangent * y + interaction.n * texel.z).normalize_or(interaction.n)
 }

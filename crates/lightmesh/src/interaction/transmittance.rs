@@ -1,4 +1,4 @@
-//! How much light a shadow ray lets through.
+//! How much light passes along a shadow ray.
 
 use glam::Vec3;
 
@@ -17,8 +17,8 @@ pub(crate) struct VisibilityScratch {
     crossings: Vec<Hit>,
 }
 
-/// The fraction of light per channel that passes along each ray: V of formula (1), 0 or 1 between solid surfaces, a colour
-/// through glass and other BLEND or transmissive ones.
+/// Computes the fraction of light per channel that passes along each ray: V of formula (1), 0 or 1 where all surfaces
+/// are opaque, a colour through glass and other BLEND or transmissive ones.
 pub(crate) fn visibility(scene: &Scene, rays: &[Ray], scratch: &mut VisibilityScratch, passed: &mut Vec<Vec3>) {
     passed.clear();
     if scene.all_opaque() {
@@ -32,7 +32,7 @@ pub(crate) fn visibility(scene: &Scene, rays: &[Ray], scratch: &mut VisibilitySc
 
 /// The product over all surfaces that the ray crosses.
 fn transmittance(scene: &Scene, ray: &Ray, crossings: &mut Vec<Hit>) -> Vec3 {
-    // Anything solid ends it; the rest is put in order, so that the product does not depend on the traversal's.
+    // Collect what the ray crosses, until a surface is opaque.
     crossings.clear();
     let blocked = scene.bvh().any_hit(ray, |hit: &Hit| {
         crossings.push(*hit);
@@ -41,6 +41,8 @@ fn transmittance(scene: &Scene, ray: &Ray, crossings: &mut Vec<Hit>) -> Vec3 {
     if blocked {
         return Vec3::ZERO;
     }
+
+    // Multiply in the order of the ray, so that the product does not depend on the traversal's.
     crossings.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.target.cmp(&b.target)));
 
     let (mut passed, mut last) = (Vec3::ONE, f32::NEG_INFINITY);

@@ -1,16 +1,18 @@
-//! What shines, ready to be asked: emitters, their light samples and the tree over these.
+//! Everything that shines: emitters, the light samples that stand for them, and the tree over these.
 
 mod contributions;
-mod cut_at;
 pub(crate) mod emitters;
+mod falloff;
+mod light_cut;
+mod punctual;
 pub(crate) mod sample;
 mod samples;
 mod tree;
 
 pub(crate) use contributions::{BlockTerms, LightTerms, Receiver};
-pub(crate) use cut_at::LightCut;
 pub(crate) use emitters::Emitters;
-pub(crate) use emitters::sphere::sample_ball;
+pub(crate) use emitters::sphere::sample_unit_ball;
+pub(crate) use light_cut::LightCut;
 pub(crate) use samples::{Directions, LANES, LightSamples};
 pub(crate) use tree::LightTree;
 pub(crate) use tree::bound::Receivers;

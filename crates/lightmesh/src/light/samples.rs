@@ -13,9 +13,9 @@
 //! | patch of area A that faces a, φ = r² | cosθ_a / (r max(r² + A/π (3cos²θ_a − 2), A/π)), cosθ_a = max(0, −a · d / r), or its magnitude if two-sided |
 //! | patch, φ = Const + r | cosθ_a / ((Const + r) r) |
 //!
-//! A patch is a disk of area A = πR²: its mean of cos cos / r² over a plane that is parallel to it is, to the second order in R, that of
-//! its middle times 1 − R² (3cos²θ_a − 2) / r². On the axis I / (r² + R²) is exact; further off than cos²θ_a = ⅔ a disk gives more
-//! than its middle. R² keeps it finite on surfaces close to it.
+//! A patch is a disk of area A = πR²: its mean of cos cos / r² over a plane that is parallel to it is, to the second
+//! order in R, that of its middle times 1 − R² (3cos²θ_a − 2) / r². On the axis I / (r² + R²) is exact; further off
+//! than cos²θ_a = ⅔ a disk gives more than its middle. R² keeps it finite on surfaces close to it.
 //!
 //! Lanes do the same additions in the same order at every SIMD level, so the sums are the same bit for bit.
 
@@ -31,8 +31,8 @@ use crate::geometry::Ray;
 /// Lights per block.
 pub(crate) const LANES: usize = 16;
 
-/// A shadow ray stops this part of its length short of its light, so that a lamp's own surface on which the light was put
-/// does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
+/// A shadow ray stops this part of its length short of its light, so that an emitter's own surface on which the sample
+/// lies does not hide it: about what the other end is kept off its surface (`offset_origin`). Empirical; not varied.
 const SEGMENT_END: f32 = 1.0 - 1e-4;
 
 /// r² is not taken below this (1 µm): a light that touches a point stays finite.
@@ -50,7 +50,7 @@ pub(crate) struct LightBlock {
     pub(super) b: [f32; LANES],
 }
 
-/// What lights other than plain points add to their block.
+/// The part of a block of spots, ranged points and directional lights that plain points do not have.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct SpotLanes {
@@ -67,7 +67,7 @@ pub(crate) struct SpotLanes {
     pub(crate) inv_range2: [f32; LANES],
 }
 
-/// What patches of area lights add to their block.
+/// The part of a block of patches that plain points do not have.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(crate) struct PatchLanes {
@@ -78,13 +78,13 @@ pub(crate) struct PatchLanes {
     /// 0, or −1 for a patch that shines from both sides.
     pub(crate) back: [f32; LANES],
     /// A / π, square metres.
-    pub(crate) spread: [f32; LANES],
+    pub(crate) area_over_pi: [f32; LANES],
 }
 
 /// The light samples of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightSamples {
-    /// Blocks of plain point lights first, then patches, then those that have an [`SpotLanes`].
+    /// Blocks of isotropic points first, then of patches, then those that have [`SpotLanes`].
     pub(crate) blocks: Vec<LightBlock>,
     pub(crate) patches: Vec<PatchLanes>,
     pub(crate) spots: Vec<SpotLanes>,
@@ -103,16 +103,16 @@ pub(crate) struct Directions {
 }
 
 impl LightSamples {
-    /// Those of the samples that shine, plain points first, then patches, then the others.
+    /// Packs the samples that shine: isotropic points first, then patches, then the others.
     pub(crate) fn new(samples: &[LightSample]) -> Self {
-        let mut luminaires: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
-        luminaires.retain(|luminaire| luminaire.intensity != Vec3::ZERO);
-        luminaires.sort_by_key(|luminaire| luminaire.emission.order());
-        let mut lights = Self::default();
-        for luminaire in &luminaires {
-            lights.push(luminaire);
+        let mut lights: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
+        lights.retain(|light| light.intensity != Vec3::ZERO);
+        lights.sort_by_key(|light| light.emission.order());
+        let mut packed = Self::default();
+        for light in &lights {
+            packed.push(light);
         }
-        lights
+        packed
     }
 
     /// How many lights there are.
@@ -120,7 +120,7 @@ impl LightSamples {
         self.count
     }
 
-    /// Lanes of all blocks, those that pad the last ones included: the length of per-lane arrays.
+    /// How many lanes all blocks have, with those that pad the last block of each kind: the length of per-lane arrays.
     pub(crate) fn lanes(&self) -> usize {
         self.blocks.len() * LANES
     }
@@ -147,7 +147,8 @@ impl LightSamples {
         (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }
 
-    /// Unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of formula (2).
+    /// Sums the unshadowed irradiance per channel (lux) on each of the surface points `(position, unit normal)`: Σ_i of
+    /// formula (2).
     pub(crate) fn irradiance(
         &self,
         level: Level,
@@ -160,7 +161,7 @@ impl LightSamples {
         dispatch!(level, simd => irradiance_simd(simd, self, falloff, points, out));
     }
 
-    /// d and f of every lane as seen from a point.
+    /// Evaluates d and f of every lane at a point.
     pub(crate) fn directions(&self, level: Level, falloff: Falloff, point: Vec3, out: &mut Directions) {
         let n = self.lanes();
         for array in [&mut out.dx, &mut out.dy, &mut out.dz, &mut out.f] {
@@ -235,18 +236,18 @@ pub(super) fn for_each_block<S: Simd>(
     mut visit: impl FnMut(&LightBlock, usize, Lanes<S>),
 ) {
     let (plain, rest) = lights.blocks.split_at(lights.blocks.len() - lights.patches.len() - lights.spots.len());
-    let (patches, shaped) = rest.split_at(lights.patches.len());
+    let (patches, spots) = rest.split_at(lights.patches.len());
     let mut first = 0;
     for block in plain {
         visit(block, first, plain_lanes(simd, block, falloff, p));
         first += LANES;
     }
-    for (block, facing) in patches.iter().zip(&lights.patches) {
-        visit(block, first, patch_lanes(simd, block, facing, falloff, p));
+    for (block, lanes) in patches.iter().zip(&lights.patches) {
+        visit(block, first, patch_lanes(simd, block, lanes, falloff, p));
         first += LANES;
     }
-    for (block, extra) in shaped.iter().zip(&lights.spots) {
-        visit(block, first, spot_lanes(simd, block, extra, falloff, p));
+    for (block, lanes) in spots.iter().zip(&lights.spots) {
+        visit(block, first, spot_lanes(simd, block, lanes, falloff, p));
         first += LANES;
     }
 }
@@ -254,62 +255,54 @@ pub(super) fn for_each_block<S: Simd>(
 /// d and f of plain point lights.
 #[inline(always)]
 fn plain_lanes<S: Simd>(simd: S, block: &LightBlock, falloff: Falloff, p: Vec3) -> Lanes<S> {
-    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let [dx, dy, dz] = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
-    Lanes { dx, dy, dz, f: attenuation(falloff, r2, r2.sqrt()) }
+    Lanes { dx, dy, dz, f: falloff.attenuation_over_distance_simd(r2, r2.sqrt()) }
 }
 
+/// Returns d of each lane: of positions, `w` 1, or directions, `w` 0.
 #[inline(always)]
-fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> (f32x16<S>, f32x16<S>, f32x16<S>) {
-    (
+fn offset<S: Simd>(simd: S, block: &LightBlock, p: Vec3, w: f32x16<S>) -> [f32x16<S>; 3] {
+    [
         f32x16::from_slice(simd, &block.x) - w * p.x,
         f32x16::from_slice(simd, &block.y) - w * p.y,
         f32x16::from_slice(simd, &block.z) - w * p.z,
-    )
-}
-
-/// f of a plain point light.
-#[inline(always)]
-fn attenuation<S: Simd>(falloff: Falloff, r2: f32x16<S>, r: f32x16<S>) -> f32x16<S> {
-    match falloff {
-        Falloff::InverseSquare => 1.0 / (r2 * r),
-        Falloff::ConstantPlusDistance { constant } => 1.0 / ((r + constant) * r),
-    }
+    ]
 }
 
 /// d and f of patches.
 #[inline(always)]
-fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, facing: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn patch_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &PatchLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
-    let (dx, dy, dz) = offset(simd, block, p, f32x16::splat(simd, 1.0));
+    let [dx, dy, dz] = offset(simd, block, p, f32x16::splat(simd, 1.0));
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
-    let ahead = -(dx * load(&facing.ax) + dy * load(&facing.ay) + dz * load(&facing.az)) / r;
-    let cos = ahead.max(ahead * load(&facing.back));
+    let ahead = -(dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;
+    let cos = ahead.max(ahead * load(&lanes.back));
     let f = match falloff {
         Falloff::InverseSquare => {
-            let spread = load(&facing.spread);
-            cos / ((r2 + spread * (cos * cos * 3.0 - 2.0)).max(spread) * r)
+            let area_over_pi = load(&lanes.area_over_pi);
+            cos / ((r2 + area_over_pi * (cos * cos * 3.0 - 2.0)).max(area_over_pi) * r)
         }
-        Falloff::ConstantPlusDistance { .. } => attenuation(falloff, r2, r) * cos,
+        Falloff::ConstantPlusDistance { .. } => falloff.attenuation_over_distance_simd(r2, r) * cos,
     };
     Lanes { dx, dy, dz, f }
 }
 
 /// d and f of spots, ranges and directions.
 #[inline(always)]
-fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, extra: &SpotLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
+fn spot_lanes<S: Simd>(simd: S, block: &LightBlock, lanes: &SpotLanes, falloff: Falloff, p: Vec3) -> Lanes<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let load = |array: &[f32; LANES]| f32x16::from_slice(simd, array);
-    let w = load(&extra.w);
-    let (dx, dy, dz) = offset(simd, block, p, w);
+    let w = load(&lanes.w);
+    let [dx, dy, dz] = offset(simd, block, p, w);
     let r2 = (dx * dx + dy * dy + dz * dz).max(f32x16::splat(simd, MIN_R2));
     let r = r2.sqrt();
-    let cos = (dx * load(&extra.ax) + dy * load(&extra.ay) + dz * load(&extra.az)) / r;
-    let cone = (cos * load(&extra.cone_scale) + load(&extra.cone_offset)).max(zero).min(one);
-    let q = r2 * load(&extra.inv_range2);
+    let cos = (dx * load(&lanes.ax) + dy * load(&lanes.ay) + dz * load(&lanes.az)) / r;
+    let cone = (cos * load(&lanes.cone_scale) + load(&lanes.cone_offset)).max(zero).min(one);
+    let q = r2 * load(&lanes.inv_range2);
     let window = (one - q * q).max(zero);
-    let f = attenuation(falloff, r2, r) * cone * cone * window;
+    let f = falloff.attenuation_over_distance_simd(r2, r) * cone * cone * window;
     Lanes { dx, dy, dz, f: w.simd_gt(zero).select(f, one) }
 }
 

@@ -1,10 +1,10 @@
-//! The light mesh: illumination at points of a lattice in space, computed when a surface first asks for it.
+//! The light mesh: illumination at points of a lattice in space, computed when a surface first reads it.
 //!
-//! There are two: the direct field keeps visibility, the indirect one, coarser, keeps irradiance. A frame uses each in three
-//! steps, each a plain parallel loop: demand ([`Reader::read`](crate::mesh::Reader::read) marks the points that hits read and that are still empty), fill
-//! (evaluates them in brick order; [`DirectField::fill`], [`IndirectField::fill`]), and shade ([`Reader::read`](crate::mesh::Reader::read) interpolates).
-//! Reading is asking: where nothing is empty, the first step already is the last. A point's value depends on the scene, the
-//! settings and the point alone, so it does not matter who asked first.
+//! There are two: the direct field keeps visibility, the indirect one, coarser, keeps irradiance. A frame uses each in
+//! three steps, each a plain parallel loop: demand (readers mark the points that hits read and that are still empty),
+//! fill ([`DirectField::fill`] and [`IndirectField::fill`] evaluate them in brick order), and shade (readers
+//! interpolate). The reader of the first step is that of the last: where no point is empty, it shades at once. A
+//! point's value depends on the scene, the settings and the point alone, and not on the surface that reads it first.
 
 mod prefill;
 mod snapshot;
@@ -18,18 +18,19 @@ use crate::indirect::IndirectField;
 use crate::mesh::{Interpolator, Lattice, Marks, PointRequests, requests};
 use crate::{Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
-/// Lazily filled meshes of direct and indirect light. They belong to one scene and one [`MeshKey`], and serve up to the
-/// bounces that they were made for; cameras, picture sizes and samples may change from frame to frame.
+/// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one
+/// [`MeshKey`]. Cameras, picture sizes and sample counts may change from frame to frame, and so may the number of
+/// bounces, up to that of the options they were made with.
 #[derive(Debug)]
 pub struct LightMesh {
     /// All that its values depend on beside the scene.
     key: MeshKey,
     /// The bounces that it was made for.
     bounces: u32,
-    /// How often it has been made ready for a picture.
+    /// How often the refinement has been reset, once for each picture.
     generation: u64,
     pub(crate) direct: DirectField,
-    /// Where there are bounces, or emission that only gather rays find.
+    /// `None` without bounces and without emission that only gather rays find.
     pub(crate) indirect: Option<IndirectField>,
 }
 
@@ -40,34 +41,36 @@ pub(crate) struct LightMarks {
 }
 
 impl LightMesh {
-    /// Empty meshes over the scene's box.
+    /// Makes empty meshes over the scene's box.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would not
-    /// fit into `options.limits.max_memory`.
+    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would
+    /// not fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
+        // Choose the lattices of a mesh, the coarsest level first.
         options.validate()?;
-        let neighbourhood = Interpolator::of(options);
-        let resolved = options.resolved();
+        let (interpolator, resolved) = (Interpolator::of(options), options.resolved());
         let lattices = |option, spacing: Spacing| {
             let bounds = scene.bounds();
-            // A scene may be a single point of a user's shape: any spacing serves it.
+            // A scene may be a single point of a user's shape: any spacing will do.
             let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
             let level = |l: u32, max_memory| {
                 let spacing = spacing / (1 << l) as f32;
-                Lattice::new(option, &bounds, spacing, neighbourhood.reach(), max_memory)
+                Lattice::new(option, &bounds, spacing, interpolator.reach(), max_memory)
             };
             let mut levels = (0..=resolved.refinements)
                 .map(|l| level(l, options.limits.max_memory))
                 .collect::<Result<Vec<_>, _>>()?;
-            // Density about the eye does without levels whose tables alone would take too much.
-            let more = resolved.refinements + 1..=resolved.finer_levels;
-            levels.extend(more.map_while(|l| level(l, options.limits.max_memory / 8).ok()));
+            // Leave out levels for distance whose tables alone would take too much.
+            let by_distance = resolved.refinements + 1..=resolved.finer_levels;
+            levels.extend(by_distance.map_while(|l| level(l, options.limits.max_memory / 8).ok()));
             Ok::<_, Error>(levels)
         };
-        let meshes = options.method.has_mesh();
-        let wants_indirect = meshes && (options.transport.bounces > 0 || scene.has_gathered_emitters());
-        let indirect = match wants_indirect {
+
+        // Make the meshes that the method uses.
+        let has_indirect =
+            options.method.has_mesh() && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
+        let indirect = match has_indirect {
             true => Some(lattices("indirect-spacing", resolved.indirect_spacing)?),
             false => None,
         };
@@ -76,12 +79,12 @@ impl LightMesh {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,
             generation: 0,
-            direct: DirectField::new(scene, direct, neighbourhood, options)?,
-            indirect: indirect.map(|lattices| IndirectField::new(lattices, neighbourhood.of_indirect_light(), options)),
+            direct: DirectField::new(scene, direct, interpolator, options)?,
+            indirect: indirect.map(|lattices| IndirectField::new(lattices, interpolator.without_rules(), options)),
         })
     }
 
-    /// All that its values depend on beside the scene.
+    /// Returns all that its values depend on beside the scene.
     pub fn key(&self) -> &MeshKey {
         &self.key
     }
@@ -91,7 +94,10 @@ impl LightMesh {
         self.check_compatible(options).is_ok()
     }
 
-    /// [`LightMesh::is_compatible`], as an error that names the first option that differs.
+    /// Refuses options with which frames cannot use this mesh.
+    ///
+    /// # Errors
+    /// [`Error::IncompatibleMesh`] names the first option that differs.
     pub(crate) fn check_compatible(&self, options: &RenderOptions) -> Result<(), Error> {
         let asked = MeshKey::of(options);
         let direct = || self.key.direct_difference(&asked);
@@ -109,12 +115,12 @@ impl LightMesh {
         Err(Error::IncompatibleMesh { what: format!("was made with bounces {own}, and the options ask for {bounces}") })
     }
 
-    /// Whether points lie all around a place: it is in the scene's box, but for rounding.
-    pub(crate) fn reaches(&self, scene: &Scene, place: Vec3) -> bool {
-        prefill::reaches(scene, self.direct.points().spacing(), place)
+    /// Returns whether points lie all around a position: it is in the scene's box, but for rounding.
+    pub(crate) fn covers(&self, scene: &Scene, position: Vec3) -> bool {
+        prefill::covers(scene, self.direct.points().spacing(), position)
     }
 
-    /// Notes its state in the numbers of a frame that had these options.
+    /// Writes its state into the statistics of a frame with these options.
     pub(crate) fn report(&self, options: &RenderOptions, stats: &mut RenderStats) {
         if options.method.has_mesh() {
             stats.direct = self.stats();
@@ -124,17 +130,17 @@ impl LightMesh {
         }
     }
 
-    /// Points of the direct mesh evaluated so far, and their memory.
+    /// Returns the number of points of the direct mesh evaluated so far, and their memory.
     pub fn stats(&self) -> MeshStats {
         self.direct.stats()
     }
 
-    /// The same for the indirect mesh; all 0 where there is none.
+    /// Returns the same for the indirect mesh; all 0 where there is none.
     pub fn indirect_stats(&self) -> MeshStats {
         self.indirect.as_ref().map_or(MeshStats::default(), IndirectField::stats)
     }
 
-    /// Makes ready for another picture: takes all refinement back; points that are filled stay so.
+    /// Prepares for another picture: takes all refinement back. Points that are filled stay so.
     pub(crate) fn reset_refinement(&mut self) {
         self.generation += 1;
         self.direct.points_mut().reset_refinement();
@@ -143,29 +149,30 @@ impl LightMesh {
         }
     }
 
-    /// Which picture it is refined for; another number for each.
+    /// Returns a number that is another one for each picture: refinement belongs to one of them.
     pub(crate) fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// Whether it has indirect light.
+    /// Returns whether it has indirect light.
     pub fn has_indirect(&self) -> bool {
         self.indirect.is_some()
     }
 
-    /// How many levels the meshes may have: points of a finer one may become known as wanted when those of the coarser one are there.
+    /// Returns how many levels the meshes may have. Which points of a finer level a picture needs may only be found
+    /// when those of the coarser one have been evaluated.
     pub fn level_count(&self) -> u32 {
         let indirect = self.indirect.as_ref().map_or(0, |field| field.points().level_count());
         self.direct.points().level_count().max(indirect)
     }
 
-    /// Empty marks for both meshes.
+    /// Returns empty marks for both meshes.
     pub(crate) fn marks(&self) -> LightMarks {
         LightMarks { direct: self.direct.marks(), indirect: self.indirect.as_ref().map(|field| field.points().marks()) }
     }
 }
 
-/// The marks of both meshes.
+/// Returns the marked points of both meshes.
 pub(crate) fn take_requests(mut marks: LightMarks) -> PointRequests {
     PointRequests {
         direct: requests::take(&mut marks.direct),

@@ -1,5 +1,5 @@
-//! Filling ahead of who reads: all points of a box, or all that meters at some places may ask for. Nothing of what is read later
-//! depends on it.
+//! Filling the meshes ahead of use: all points of a box, or all that meters at some positions may read. No picture
+//! depends on it: it only takes less time afterwards.
 
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
@@ -7,23 +7,24 @@ use rayon::prelude::*;
 use super::LightMesh;
 use crate::direct::{DirectLighting, LightingPlan};
 use crate::geometry::Aabb;
-use crate::mesh::{Address, Coordinate, Marks, Points, Slot};
+use crate::mesh::{Address, Marks, PointBlock, Points, Slot};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
-/// Points that are evaluated between two looks at whether the work should stop: direct and indirect ones.
+/// Direct and indirect points that are evaluated between two checks of whether the work was cancelled.
 const DIRECT_AT_ONCE: usize = 1 << 14;
 const INDIRECT_AT_ONCE: usize = 1 << 11;
 
 impl LightMesh {
-    /// Evaluates every point of both meshes, on their first level, that lies in a box (metres, clipped to the lattices), and all that
-    /// indirect points depend on. Those that are known already are left as they are. Surfaces in a box read points up to a spacing
-    /// beyond it.
+    /// Evaluates every point of both meshes, on their coarsest level, that lies in a box (metres, clipped to the
+    /// lattices), and all points that the indirect ones depend on. Points that have been evaluated before are left as
+    /// they are. Surfaces in a box read points up to a spacing beyond it.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for options out of range, a method without a mesh or options that the mesh was not made for,
-    /// [`Error::OutOfMemory`] before anything is evaluated if the points would not fit, and later if those would not that the indirect
-    /// points depend on, [`Error::Cancelled`] soon after `progress` says so. What has been evaluated stays.
+    /// [`Error::InvalidOption`] for options out of range, a method without a mesh or options that the mesh was not made
+    /// for, [`Error::OutOfMemory`] before anything is evaluated if the points would not fit, and later if those that
+    /// the indirect points depend on would not fit, [`Error::Cancelled`] soon after `progress` cancels. Points that
+    /// have been evaluated stay.
     pub fn prefill_box(
         &mut self,
         scene: &Scene,
@@ -38,8 +39,8 @@ impl LightMesh {
         })
     }
 
-    /// Evaluates every point that meters at these places (metres) read, whichever way they face, and all that indirect points
-    /// depend on. Places outside the scene's box have no points to read.
+    /// Evaluates every point that meters at these positions (metres) read, whichever way they face, and all points that
+    /// the indirect ones depend on. Positions outside the scene's box are skipped.
     ///
     /// # Errors
     /// As [`LightMesh::prefill_box`].
@@ -47,17 +48,18 @@ impl LightMesh {
         &mut self,
         scene: &Scene,
         options: &RenderOptions,
-        places: &[Vec3],
+        positions: &[Vec3],
         progress: &dyn Progress,
     ) -> Result<RenderStats, Error> {
         let spacing = self.direct.points().spacing();
         self.prefill(scene, options, progress, |points, marks| {
-            places.par_iter().filter(|&&p| reaches(scene, spacing, p)).for_each(|&p| {
-                mark_block(points, marks, points.neighbourhood.around(&points.level(0).lattice, p));
+            positions.par_iter().filter(|&&p| covers(scene, spacing, p)).for_each(|&p| {
+                mark_block(points, marks, points.interpolator.range_around(&points.level(0).lattice, p));
             });
         })
     }
 
+    /// Evaluates the points that `mark` marks in both meshes.
     fn prefill(
         &mut self,
         scene: &Scene,
@@ -74,13 +76,14 @@ impl LightMesh {
         let mut marks = self.marks();
         let mut stats = RenderStats::default();
 
-        // Find out what there is to do, and whether there is room for it.
+        // List the points, and refuse more than fit into memory.
         mark(self.direct.points(), &marks.direct);
-        let direct = self.direct.points().take(&mut marks.direct, self.direct.costs(), self.direct.max_memory())?;
+        let direct =
+            self.direct.points().take_marked(&mut marks.direct, self.direct.costs(), self.direct.max_memory())?;
         let indirect = match (&self.indirect, &mut marks.indirect) {
             (Some(field), Some(marks)) => {
                 mark(field.points(), marks);
-                field.points().take(marks, field.costs(), field.max_memory)?
+                field.points().take_marked(marks, field.costs(), field.max_memory)?
             }
             _ => Vec::new(),
         };
@@ -88,19 +91,19 @@ impl LightMesh {
         let cancelled = || if reporter.cancelled() { Err(Error::Cancelled) } else { Ok(()) };
 
         // Evaluate. Points may come with others that depend on them.
-        for wanted in direct.chunks(DIRECT_AT_ONCE) {
+        for requested in direct.chunks(DIRECT_AT_ONCE) {
             cancelled()?;
-            mark_empty(self.direct.points(), &marks.direct, wanted);
+            mark_empty(self.direct.points(), &marks.direct, requested);
             let rays = self.direct.fill(scene, &mut marks.direct)?;
             stats.rays += rays;
             stats.fill_shadow_rays += rays.shadow;
-            reporter.add(wanted.len() as u64, rays.total());
+            reporter.add(requested.len() as u64, rays.total());
         }
         stats.seconds.fill_direct = started.elapsed().as_secs_f64();
         if let (Some(field), Some(indirect_marks)) = (&mut self.indirect, &mut marks.indirect) {
-            for wanted in indirect.chunks(INDIRECT_AT_ONCE) {
+            for requested in indirect.chunks(INDIRECT_AT_ONCE) {
                 cancelled()?;
-                mark_empty(field.points(), indirect_marks, wanted);
+                mark_empty(field.points(), indirect_marks, requested);
                 let mut direct = DirectLighting {
                     scene,
                     options,
@@ -111,7 +114,7 @@ impl LightMesh {
                     stats: &mut stats,
                 };
                 field.fill(&mut direct, indirect_marks)?;
-                reporter.add(wanted.len() as u64, 0);
+                reporter.add(requested.len() as u64, 0);
             }
         }
         stats.seconds.render = started.elapsed().as_secs_f64();
@@ -120,14 +123,14 @@ impl LightMesh {
     }
 }
 
-/// Whether points lie all around a place, in meshes of this spacing: it is in the scene's box, but for rounding.
-pub(super) fn reaches(scene: &Scene, spacing: f32, place: Vec3) -> bool {
+/// Returns whether mesh points of this spacing lie all around a position: it is in the scene's box, but for rounding.
+pub(super) fn covers(scene: &Scene, spacing: f32, position: Vec3) -> bool {
     let (bounds, slack) = (scene.bounds(), 0.01 * spacing);
-    place.cmpge(bounds.min - slack).all() && place.cmple(bounds.max + slack).all()
+    position.cmpge(bounds.min - slack).all() && position.cmple(bounds.max + slack).all()
 }
 
-/// Marks the points of a block on the first level that are empty.
-fn mark_block(points: &Points, marks: &Marks, (low, high): (Coordinate, Coordinate)) {
+/// Marks the points of a block on the coarsest level that are empty.
+fn mark_block(points: &Points, marks: &Marks, PointBlock { low, high }: PointBlock) {
     (low.z..=high.z).into_par_iter().for_each(|z| {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
@@ -138,8 +141,8 @@ fn mark_block(points: &Points, marks: &Marks, (low, high): (Coordinate, Coordina
 }
 
 /// Marks those of some points that are still empty.
-fn mark_empty(points: &Points, marks: &Marks, wanted: &[Address]) {
-    for &address in wanted {
+fn mark_empty(points: &Points, marks: &Marks, addresses: &[Address]) {
+    for &address in addresses {
         if points.level(address.level).slot(address.coordinate) == Slot::Empty {
             points.mark(address, marks);
         }

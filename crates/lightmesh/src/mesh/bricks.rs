@@ -1,19 +1,19 @@
 //! Storage: which points are filled, and where their values are.
 //!
 //! A dense table has one entry per brick of the lattice, a brick has one 32-bit slot per point, and a slot leads to the
-//! point's values in one array that holds nothing else: an empty brick costs 4 bytes, a touched one 2 KiB, a filled point
-//! its values.
+//! point's values in one array that holds nothing else: an empty brick costs 4 bytes, one with a point 2 KiB, a filled
+//! point its values.
 
 use glam::UVec3;
 
-/// What is known of a mesh point.
+/// The state of a mesh point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slot {
-    /// Nobody has asked for it.
+    /// It has not been evaluated.
     Empty,
-    /// It is inside a solid and gives no answer.
+    /// It is inside a solid and has no values.
     Invalid,
-    /// Its values are the index-th.
+    /// It has been evaluated; its values have this index.
     Filled(u32),
 }
 
@@ -32,6 +32,7 @@ impl Slot {
         }
     }
 
+    /// Returns the slot as 32 bits.
     fn pack(self) -> u32 {
         match self {
             Self::Empty => Self::EMPTY,
@@ -41,13 +42,13 @@ impl Slot {
     }
 }
 
-/// The slots of one brick; `None` if nobody touched it.
+/// The slots of one brick; `None` if none of its points has been evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brick<'a>(Option<&'a [u32; 512]>);
 
 impl Brick<'_> {
     #[inline(always)]
-    pub(super) fn at(self, local: usize) -> Slot {
+    pub(super) fn slot(self, local: usize) -> Slot {
         self.0.map_or(Slot::Empty, |slots| Slot::unpack(slots[local]))
     }
 }
@@ -55,22 +56,24 @@ impl Brick<'_> {
 /// The bricks of a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Bricks {
-    /// Index into `slots` by brick index, [`Bricks::NONE`] for a brick nobody touched.
+    /// Index into `slots` by brick index, [`Bricks::NONE`] for a brick without slots.
     table: Vec<u32>,
     slots: Vec<[u32; 512]>,
 }
 
 impl Bricks {
     const NONE: u32 = u32::MAX;
-    /// Memory of a table entry, its mark included.
+    /// Memory of a table entry, its mark included, bytes.
     pub(super) const BYTES_PER_TABLE_ENTRY: u64 = 4 + 16;
-    /// Memory of a touched brick, its marks included.
+    /// Memory of a brick with slots, its marks included, bytes.
     pub(super) const BYTES_PER_BRICK: u64 = 512 * 4 + 64;
 
+    /// Empty bricks, with their numbers along x, y and z.
     pub(crate) fn new(bricks: UVec3) -> Self {
         Self { table: vec![Self::NONE; bricks.as_u64vec3().element_product() as usize], slots: Vec::new() }
     }
 
+    /// Returns the slot of a point.
     #[inline(always)]
     pub(crate) fn slot(&self, brick: usize, local: usize) -> Slot {
         match self.table[brick] {
@@ -79,7 +82,7 @@ impl Bricks {
         }
     }
 
-    /// The slots of a brick.
+    /// Returns the slots of a brick.
     #[inline(always)]
     pub(super) fn brick(&self, brick: usize) -> Brick<'_> {
         match self.table[brick] {
@@ -88,11 +91,12 @@ impl Bricks {
         }
     }
 
+    /// Returns whether a brick has slots.
     pub(crate) fn exists(&self, brick: usize) -> bool {
         self.table[brick] != Self::NONE
     }
 
-    /// Sets a slot; the brick is made on first use.
+    /// Sets a slot; a brick gets its slots on first use.
     pub(super) fn set(&mut self, brick: usize, local: usize, slot: Slot) {
         if self.table[brick] == Self::NONE {
             self.table[brick] = self.slots.len() as u32;
@@ -101,7 +105,7 @@ impl Bricks {
         self.slots[self.table[brick] as usize][local] = slot.pack();
     }
 
-    /// Memory, bytes.
+    /// Returns the memory, bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.table.len() as u64 * Self::BYTES_PER_TABLE_ENTRY + self.slots.len() as u64 * Self::BYTES_PER_BRICK
     }
@@ -112,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slots_keep_what_they_are_given() {
+    fn slots_come_back_as_they_were_set() {
         let mut bricks = Bricks::new(UVec3::new(2, 3, 4));
         assert_eq!(bricks.slot(23, 511), Slot::Empty);
         bricks.set(23, 511, Slot::Filled(7));

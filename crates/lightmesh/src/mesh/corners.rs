@@ -8,7 +8,7 @@ use crate::sampling;
 /// A number per corner: four with the lower z, four with the upper.
 pub(crate) type ByCorner = [Vec4; 2];
 
-/// 1 for each bit that is set.
+/// For each set of four corners, 1 for those in it: 1 for each bit that is set.
 pub(crate) const ONES: [Vec4; 16] = {
     let mut ones = [Vec4::ZERO; 16];
     let mut i = 0;
@@ -19,13 +19,13 @@ pub(crate) const ONES: [Vec4; 16] = {
     ones
 };
 
-/// The corners of a mask, ascending.
+/// Returns the corners of a mask, ascending.
 #[inline(always)]
-pub(crate) fn set_bits(mask: u8) -> impl Iterator<Item = usize> + Clone {
+pub(crate) fn corners_of(mask: u8) -> impl Iterator<Item = usize> + Clone {
     sampling::set_bits::<8>(mask)
 }
 
-/// The coordinate of corner k of a cell.
+/// Returns the coordinate of corner k of a cell.
 #[inline(always)]
 pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
     cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)

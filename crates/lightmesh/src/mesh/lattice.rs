@@ -1,9 +1,9 @@
 //! The regular lattice: where mesh points are, and which brick holds them.
 //!
-//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point
-//! (i, j, k) is in brick (i / 8, j / 8, k / 8) at place `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has
-//! the index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
-//! 1 + 5 (0 + 3 · 2) = 31, at place 1 + 8 · 2 + 64 · 1 = 81.
+//! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point (i, j,
+//! k) is in brick (i / 8, j / 8, k / 8) at index `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has the
+//! index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
+//! 1 + 5 (0 + 3 · 2) = 31, at index 1 + 8 · 2 + 64 · 1 = 81.
 
 use glam::{DVec3, UVec3, Vec3};
 
@@ -14,12 +14,20 @@ use crate::geometry::Aabb;
 /// A lattice coordinate: every component below 2²⁹.
 pub(crate) type Coordinate = UVec3;
 
-/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls on lattice
-/// planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰ cells lie along it.
+/// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls
+/// on lattice planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰
+/// cells lie along it.
 pub(super) const ON_SURFACE: f32 = 1.0 / 1024.0;
 
 /// Most cells along an axis: f32 positions then keep a hundredth of a cell (2⁻²⁴ · 2¹⁷ = 1/128).
 const MAX_CELLS: f64 = (1 << 17) as f64;
+
+/// A block of lattice points, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PointBlock {
+    pub low: Coordinate,
+    pub high: Coordinate,
+}
 
 /// The lattice of a mesh.
 #[derive(Clone, Debug)]
@@ -36,11 +44,14 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not cut
-    /// through points, and go on `reach` cells beyond on every side.
+    /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not
+    /// cut through points, and go on `reach` cells beyond on every side.
+    ///
+    /// `option` names the spacing in messages.
     ///
     /// # Errors
-    /// `option` names the spacing in messages.
+    /// [`Error::OutOfMemory`] if the table of bricks would not fit, [`Error::InvalidOption`] for too many points along
+    /// an axis.
     pub(crate) fn new(
         option: &'static str,
         bounds: &Aabb,
@@ -48,6 +59,7 @@ impl Lattice {
         reach: u32,
         max_memory: u64,
     ) -> Result<Self, Error> {
+        // Count cells and bricks, in f64: they may be too many.
         let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
         let cells = inside + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
@@ -65,6 +77,8 @@ impl Lattice {
             let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
             return Err(Error::InvalidOption { option, what });
         }
+
+        // The first point inside the box is half a cell off its walls.
         Ok(Self {
             origin: bounds.min - (reach as f32 - 0.5) * spacing,
             spacing,
@@ -76,46 +90,50 @@ impl Lattice {
         })
     }
 
+    /// Returns the distance between neighbours, metres.
     pub(crate) fn spacing(&self) -> f32 {
         self.spacing
     }
 
-    /// 1 / spacing.
+    /// Returns 1 / spacing.
     pub(super) fn inv_spacing(&self) -> f32 {
         self.inv_spacing
     }
 
+    /// Returns the number of bricks along x, y and z.
     pub(super) fn bricks(&self) -> UVec3 {
         self.bricks
     }
 
+    /// Returns the number of bricks.
     pub(super) fn brick_count(&self) -> usize {
         self.bricks.as_u64vec3().element_product() as usize
     }
 
-    /// Points inside the scene's box; the lattice goes on beyond it to whole bricks.
+    /// Returns the number of points inside the scene's box; the lattice goes on beyond it to whole bricks.
     pub(super) fn point_count(&self) -> u64 {
         self.inside
     }
 
-    /// A point's position, metres.
+    /// Returns a point's position, metres.
     pub(super) fn point(&self, coordinate: Coordinate) -> Vec3 {
         self.origin + coordinate.as_vec3() * self.spacing
     }
 
-    /// The lower corner of the cell that holds `p`, and where in the cell p is, each component in [0, 1]; a point outside
-    /// counts as the nearest one inside.
+    /// Returns the lower corner of the cell that holds `p`, and the position of p in the cell, each component in [0,
+    /// 1]; a point outside the lattice counts as the nearest one inside.
     #[inline(always)]
     pub(crate) fn cell(&self, p: Vec3) -> (Coordinate, Vec3) {
-        let (cell, x) = self.cell_and_place(p);
+        let (cell, x) = self.cell_and_position(p);
         (cell, x.clamp(Vec3::ZERO, Vec3::ONE))
     }
 
-    /// The same cell, and where p is from its lower corner, in spacings, also where that is outside the cell.
+    /// Returns the same cell, and the position of p from its lower corner, in spacings, also where that is outside the
+    /// cell.
     #[inline(always)]
-    pub(super) fn cell_and_place(&self, p: Vec3) -> (Coordinate, Vec3) {
-        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count to the upper
-        // side, as do those less than 1e-4 below it.
+    pub(super) fn cell_and_position(&self, p: Vec3) -> (Coordinate, Vec3) {
+        // Added to a number below 2²², this leaves the nearest integer in the low bits. Points on a lattice plane count
+        // to the upper side, as do those less than 1e-4 below it.
         const ROUND: f32 = (3 << 22) as f32;
         const HALF: f32 = 0.5 - 1e-4;
         let x = (p - self.origin) * self.inv_spacing;
@@ -124,32 +142,33 @@ impl Lattice {
         (UVec3::from_array(cell), x - (rounded - ROUND))
     }
 
-    /// The lattice points between two positions, both included, clamped to the lattice.
-    pub(super) fn range(&self, min: Vec3, max: Vec3) -> (Coordinate, Coordinate) {
+    /// Returns the block of lattice points between two positions, clamped to the lattice.
+    pub(super) fn range(&self, min: Vec3, max: Vec3) -> PointBlock {
         let last = (self.size - 1).as_vec3();
         let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(Vec3::ZERO, last);
         let high = ((max - self.origin) * self.inv_spacing).floor().clamp(Vec3::ZERO, last);
-        (low.as_uvec3(), high.as_uvec3())
+        PointBlock { low: low.as_uvec3(), high: high.as_uvec3() }
     }
 
-    /// Where its points may be.
+    /// Returns the lattice as plain numbers.
     pub(crate) fn shape(&self) -> LatticeShape {
         LatticeShape { origin: self.origin.to_array(), spacing: self.spacing, size: self.size.to_array() }
     }
 
-    /// The lattice points of a box, both ends included; `None` where there are none.
-    pub(crate) fn points_in(&self, bounds: &Aabb) -> Option<(Coordinate, Coordinate)> {
+    /// Returns the block of lattice points in a box; `None` where there are none.
+    pub(crate) fn points_in(&self, bounds: &Aabb) -> Option<PointBlock> {
         let low = ((bounds.min - self.origin) * self.inv_spacing).ceil().max(Vec3::ZERO);
         let high = ((bounds.max - self.origin) * self.inv_spacing).floor().min((self.size - 1).as_vec3());
-        low.cmple(high).all().then(|| (low.as_uvec3(), high.as_uvec3()))
+        low.cmple(high).all().then(|| PointBlock { low: low.as_uvec3(), high: high.as_uvec3() })
     }
 
+    /// Returns the index of a brick.
     #[inline(always)]
     pub(crate) fn brick_index(&self, brick: UVec3) -> usize {
         (brick.x + self.bricks.x * brick.y) as usize + (self.bricks.x * self.bricks.y) as usize * brick.z as usize
     }
 
-    /// The coordinate of a place in a brick.
+    /// Returns the coordinate of a point of a brick.
     pub(crate) fn coordinate(&self, brick_index: usize, local: usize) -> Coordinate {
         let (i, l) = (brick_index as u32, local as u32);
         let (bx, by) = (self.bricks.x, self.bricks.y);
@@ -158,27 +177,27 @@ impl Lattice {
     }
 }
 
-/// The brick of a point and its place in it.
+/// Returns the brick of a point and its index in it.
 #[inline(always)]
 pub(crate) fn split(coordinate: Coordinate) -> (UVec3, usize) {
     let local = coordinate & 7;
     (coordinate >> 3, (local.x + 8 * local.y + 64 * local.z) as usize)
 }
 
-/// Where the points of a level may be: point (i, j, k) at `origin + spacing · (i, j, k)`, i in 0..size\[0\] and so on. Computed in f32
-/// as written, component by component, this is the mesh's own position, bit for bit.
+/// The lattice of one level of a mesh. Point (i, j, k) lies at `origin + spacing · (i, j, k)`, with i in 0..size\[0\]
+/// and so on. Computed in f32 as written, component by component, this is the mesh's own position, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatticeShape {
     /// Point (0, 0, 0), metres.
     pub origin: [f32; 3],
-    /// Distance between neighbours, metres.
+    /// The distance between neighbours, metres.
     pub spacing: f32,
-    /// Points along x, y and z.
+    /// The number of points along x, y and z.
     pub size: [u32; 3],
 }
 
 impl LatticeShape {
-    /// The position of a point, metres.
+    /// Returns the position of a point, metres.
     pub fn position(&self, [i, j, k]: [u32; 3]) -> [f32; 3] {
         let [x, y, z] = self.origin;
         [x + self.spacing * i as f32, y + self.spacing * j as f32, z + self.spacing * k as f32]
@@ -196,7 +215,7 @@ mod tests {
 
     /// The example of the module's documentation, on its own lattice, and back.
     #[test]
-    fn bricks_and_places_follow_the_formula() {
+    fn bricks_and_indices_follow_the_formula() {
         let l = Lattice { bricks: UVec3::new(5, 3, 4), ..lattice() };
         let (brick, local) = split(UVec3::new(9, 2, 17));
         assert_eq!((l.brick_index(brick), local), (31, 81));
@@ -223,14 +242,14 @@ mod tests {
     fn a_box_is_clipped_to_the_lattice() {
         let l = lattice();
         let thin = Aabb { min: Vec3::new(-0.9, -9.0, 2.1), max: Vec3::new(-0.8, 0.2, 2.4) };
-        assert_eq!(l.points_in(&thin), Some((UVec3::new(1, 0, 1), UVec3::new(1, 1, 2))));
+        assert_eq!(l.points_in(&thin), Some(PointBlock { low: UVec3::new(1, 0, 1), high: UVec3::new(1, 1, 2) }));
         let between = Aabb { min: Vec3::new(-0.8, 0.0, 2.0), max: Vec3::new(-0.7, 4.0, 10.0) };
         assert_eq!(l.points_in(&between), None);
         let beyond = Aabb { min: Vec3::splat(20.0), max: Vec3::splat(30.0) };
         assert_eq!(l.points_in(&beyond), None);
         assert_eq!(l.points_in(&Aabb::EMPTY), None);
         let all = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
-        assert_eq!(l.points_in(&all), Some((UVec3::ZERO, l.size - 1)));
+        assert_eq!(l.points_in(&all), Some(PointBlock { low: UVec3::ZERO, high: l.size - 1 }));
     }
 
     #[test]

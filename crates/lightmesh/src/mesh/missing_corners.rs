@@ -1,15 +1,15 @@
-//! The paper's trilinear neighbourhood, figs. 10-11: the cell that a surface point is in, and rules for the corners of it that are
-//! missing because they are behind the surface or inside a solid.
+//! The paper's trilinear interpolation, figs. 10-11: the cell that a surface point is in, and rules for the corners of
+//! it that are missing because they are behind the surface or inside a solid.
 //!
-//! > Ĩ(y) = Σ_{k there} w_k Ĩ_k + Σ_{k missing} w_k m_k,
+//! > Ĩ(y) = Σ_{k present} w_k Ĩ_k + Σ_{k missing} w_k m_k,
 //!
-//! w_k the trilinear weights, m_k what the rule says: 0, 1, or the Ĩ of a corner that is there. In the last case weight moves from
-//! corner to corner; in the first two the sum of the weights that are handed out is less than 1, and who reads adds the rest.
+//! w_k the trilinear weights, m_k the rule's value: 0, 1, or the Ĩ of a corner that is present. In the last case weight
+//! moves from corner to corner; in the first two the sum of the weights is less than 1, and the reader adds the rest.
 
 use glam::Vec3;
 
 use super::bricks::Slot;
-use super::corners::{corner, set_bits};
+use super::corners::{corner, corners_of};
 use super::lattice::{Coordinate, ON_SURFACE};
 use super::read_result::ReadResult;
 use super::refinement::RefinementLevel;
@@ -17,95 +17,100 @@ use super::stencil::{Stencil, stencil};
 use crate::MissingCorners;
 use crate::interaction::ShadingPoint;
 
-/// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so that a
-/// surface on a lattice plane has the cell before it, not the one behind.
+/// The cell is looked up so far off the surface, in spacings: more than [`super::lattice::Lattice::cell`] rounds by, so
+/// that a surface on a lattice plane has the cell before it, not the one behind.
 const OFFSET: f32 = ON_SURFACE;
 
-/// Hands out (index, weight) of the corners of the vertex' cell that are there, the weights with what the rule moves to them; none
-/// if any is still empty: then those are marked.
+/// Visits (index, weight) of the corners of the vertex' cell that are present, with the weights that the rule moves to
+/// them. If any is still empty it visits none and marks the empty ones.
 pub(super) fn read_with(
     level: &RefinementLevel,
     rule: MissingCorners,
     vertex: &ShadingPoint,
     mut mark: impl FnMut(Coordinate),
-    mut take: impl FnMut(u32, f32),
+    mut visit: impl FnMut(u32, f32),
 ) -> ReadResult {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
+    // Mark the empty corners before the surface; visit nothing if there are any.
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
-    let is = |k: &usize, wanted: fn(Slot) -> bool| wanted(slots[*k]);
+    let is = |k: &usize, condition: fn(Slot) -> bool| condition(slots[*k]);
     let mut empty = false;
-    for k in set_bits(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
+    for k in corners_of(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
         mark(corner(stencil.cell, k));
         empty = true;
     }
     if empty {
         return ReadResult::Pending;
     }
-    let there = mask(set_bits(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
-    if there == 0 {
+
+    // Visit those that are not inside solids.
+    let present = mask(corners_of(before).filter(|k| is(k, |slot| matches!(slot, Slot::Filled(_)))));
+    if present == 0 {
         return ReadResult::Unavailable;
     }
-    let weights = moved(rule, &stencil, vertex, there);
-    for k in set_bits(there) {
+    let weights = weights_by_rule(rule, &stencil, vertex, present);
+    for k in corners_of(present) {
         if let Slot::Filled(index) = slots[k] {
-            take(index, weights[k]);
+            visit(index, weights[k]);
         }
     }
     ReadResult::Value
 }
 
-/// The part of the trilinear weight that corners have which are there; all of them have been evaluated.
+/// Returns the part of the trilinear weight that corners have which are present; all of them have been evaluated.
 pub(super) fn usable_share(level: &RefinementLevel, vertex: &ShadingPoint) -> f32 {
     let stencil = stencil(&level.lattice, vertex, OFFSET);
     let slots = level.slots(stencil.cell);
-    stencil.sum(mask(set_bits(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
+    stencil.sum(mask(corners_of(before_plane(&stencil)).filter(|&k| matches!(slots[k], Slot::Filled(_)))))
 }
 
-/// The corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
+/// Returns the corners before the vertex' plane. One that is less than [`ON_SURFACE`] off it lies on it.
 fn before_plane(stencil: &Stencil) -> u8 {
     mask((0..8).filter(|&k| stencil.heights[k / 4][k % 4] > ON_SURFACE))
 }
 
+/// Returns the set of some corners.
 fn mask(corners: impl Iterator<Item = usize>) -> u8 {
     corners.map(|k| 1 << k).sum()
 }
 
-/// The weights of the corners that are `there`, with what the rule moves to them.
-fn moved(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, there: u8) -> [f32; 8] {
+/// Returns the weights of the corners that are `present`, with those that the rule moves to them.
+fn weights_by_rule(rule: MissingCorners, stencil: &Stencil, vertex: &ShadingPoint, present: u8) -> [f32; 8] {
     let mut weights: [f32; 8] = std::array::from_fn(|k| stencil.weight(k));
     let across = match rule {
         MissingCorners::Zero | MissingCorners::One => return weights,
         MissingCorners::Nearest => None,
         MissingCorners::Mirror => Some(1 << longest_axis(vertex.ng)),
     };
-    let nearest = nearest(stencil, there);
-    for k in set_bits(!there) {
-        let to = across.map(|bit| k ^ bit).filter(|&k| there >> k & 1 != 0).unwrap_or(nearest);
+    let nearest = nearest(stencil, present);
+    // Move the weight of each missing corner.
+    for k in corners_of(!present) {
+        let to = across.map(|bit| k ^ bit).filter(|&k| present >> k & 1 != 0).unwrap_or(nearest);
         weights[to] += stencil.weight(k);
     }
     weights
 }
 
-/// Which of x, y, z is largest; the first of equals.
+/// Returns which of x, y, z is largest; the first of equals.
 fn longest_axis(n: Vec3) -> usize {
     let n = n.abs();
     if n.x >= n.y && n.x >= n.z { 0 } else { 1 + usize::from(n.z > n.y) }
 }
 
-/// Which of some corners, at least one, is nearest to the place that the weights are of; the first of equals.
+/// Returns which of some corners, at least one, is nearest to the position that the weights are of; the first of
+/// equals.
 fn nearest(stencil: &Stencil, corners: u8) -> usize {
     // Trilinear weights are products, and their sums over a face are the coordinates.
-    let place = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
+    let position = Vec3::new(stencil.sum(0b1010_1010), stencil.sum(0b1100_1100), stencil.sum(0b1111_0000));
     let distance = |k: &usize| {
         let corner = Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32);
-        corner.distance_squared(place)
+        corner.distance_squared(position)
     };
-    set_bits(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
+    corners_of(corners).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("at least one")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::corners::set_bits;
     use super::super::lattice::Lattice;
     use super::*;
     use crate::geometry::Aabb;
@@ -115,32 +120,32 @@ mod tests {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
         let lattice = Lattice::new("spacing", &bounds, 1.0, 1, 1 << 30).expect("small");
         let position = lattice.point(glam::UVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
-        let vertex = ShadingPoint { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, pixel: 0 };
+        let vertex = ShadingPoint { position, n: ng, ng, extent: 8.0, weight: Vec3::ONE, id: 0 };
         let stencil = stencil(&lattice, &vertex, OFFSET);
         (vertex, stencil)
     }
 
-    /// A wall that faces +z: the four lower corners are behind it, and each has weight 0.8 times what it has in the plane.
+    /// A wall that faces +z: the four lower corners are behind it, with 0.8 of the weight together.
     #[test]
-    fn missing_weight_goes_where_the_rule_says() {
+    fn missing_weight_moves_by_the_rule() {
         let (vertex, stencil) = at(Vec3::Z);
-        let there = before_plane(&stencil);
-        assert_eq!(there, 0b1111_0000);
-        let sum = |rule| set_bits(there).map(|k| moved(rule, &stencil, &vertex, there)[k]).sum::<f32>();
+        let present = before_plane(&stencil);
+        assert_eq!(present, 0b1111_0000);
+        let sum = |rule| corners_of(present).map(|k| weights_by_rule(rule, &stencil, &vertex, present)[k]).sum::<f32>();
         assert!(
             (sum(MissingCorners::Zero) - 0.2).abs() < 2e-3 && sum(MissingCorners::Zero) == sum(MissingCorners::One)
         );
         assert!((sum(MissingCorners::Mirror) - 1.0).abs() < 1e-6 && (sum(MissingCorners::Nearest) - 1.0).abs() < 1e-6);
         let close = |a: f32, b: f32| (a - b).abs() < 2e-3;
         // Mirrored: bilinear in the upper face. Nearest: all of it to the corner at (0, 0, 1).
-        let mirrored = moved(MissingCorners::Mirror, &stencil, &vertex, there);
+        let mirrored = weights_by_rule(MissingCorners::Mirror, &stencil, &vertex, present);
         for (k, w) in [(4, 0.7 * 0.6), (5, 0.3 * 0.6), (6, 0.7 * 0.4), (7, 0.3 * 0.4)] {
             assert!(close(mirrored[k], w), "{mirrored:?}");
         }
-        let nearest = moved(MissingCorners::Nearest, &stencil, &vertex, there);
+        let nearest = weights_by_rule(MissingCorners::Nearest, &stencil, &vertex, present);
         assert!(close(nearest[4], 0.8 + 0.2 * 0.42) && close(nearest[7], 0.2 * 0.12), "{nearest:?}");
-        // One of the mirrored corners is missing, too: the nearest of those that are left takes what both had.
-        let mirrored = moved(MissingCorners::Mirror, &stencil, &vertex, 0b1110_0000);
+        // One of the mirrored corners is missing, too: the nearest of those that are left gets the weight of both.
+        let mirrored = weights_by_rule(MissingCorners::Mirror, &stencil, &vertex, 0b1110_0000);
         assert!(close(mirrored[6], 0.28 + 0.42) && close(mirrored[5], 0.18), "{mirrored:?}");
     }
 

@@ -1,4 +1,4 @@
-//! The mesh without its light: where points are, which of them a surface reads, and what stands between.
+//! The mesh without its light: where points are, which of them a surface reads, and which of those it sees.
 
 mod ambient_cube;
 mod bricks;
@@ -19,14 +19,14 @@ mod usable;
 pub(crate) use ambient_cube::AmbientCube;
 pub(crate) use bricks::Slot;
 pub(crate) use clearance::Clearance;
-pub(crate) use corners::{ByCorner, ONES, set_bits};
+pub(crate) use corners::{ByCorner, ONES, corners_of};
 pub use lattice::LatticeShape;
-pub(crate) use lattice::{Coordinate, Lattice};
+pub(crate) use lattice::{Coordinate, Lattice, PointBlock};
 pub(crate) use marks::Marks;
 pub(crate) use points::{Address, Costs, Points};
 pub(crate) use probe::{PROBE_RAYS, probe};
-pub(crate) use read_result::{CornerValues, CornerVisibility, ReadResult};
-pub(crate) use reader::{Reader, choose};
+pub(crate) use read_result::{CornerVisibility, ReadResult};
+pub(crate) use reader::{CachedReader, choose};
 pub use requests::{BrickMask, PointRequests};
 pub(crate) use stencil::Interpolator;
 pub(crate) use usable::usable_fraction;

@@ -1,5 +1,5 @@
-//! The points of one mesh: where they are, which are known, and what each sees of its neighbours. Values are kept by the
-//! fields, under the same index.
+//! The points of one mesh: where they are, their states and their clearances. Values are kept by the fields, under the
+//! same index.
 
 use std::collections::HashSet;
 
@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
 use super::lattice::{self, Coordinate, Lattice};
-use super::marks::Marks;
+use super::marks::{MarkedPoints, Marks};
 use super::read_result::CornerVisibility;
 use super::reader::Reader;
 use super::refinement::RefinementLevel;
@@ -23,30 +23,30 @@ pub(crate) struct Address {
     pub coordinate: Coordinate,
 }
 
-/// What points take, bytes each.
+/// The memory of points, bytes each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Costs {
-    /// What the field keeps of a point.
+    /// A point's values in the field.
     pub kept: u64,
-    /// What it holds of a point only while that is being filled.
-    pub passing: u64,
-    /// Points that are being filled already.
+    /// A point's share of buffers while it is being filled.
+    pub temporary: u64,
+    /// The number of points that are being filled already.
     pub pending: usize,
 }
 
 impl Costs {
-    /// Of points that are filled at once.
+    /// Of points without buffers.
     pub(crate) fn kept(kept: u64) -> Self {
-        Self { kept, passing: 0, pending: 0 }
+        Self { kept, temporary: 0, pending: 0 }
     }
 }
 
-/// Points of the lattices of all levels, filled as they are asked for; their indices are one sequence.
+/// Points of the lattices of all levels, filled as they are requested; their indices are one sequence.
 #[derive(Debug)]
 pub(crate) struct Points {
     /// The coarsest first.
     levels: Vec<RefinementLevel>,
-    pub(crate) neighbourhood: Interpolator,
+    pub(crate) interpolator: Interpolator,
     /// By index of the filled point.
     addresses: Vec<Address>,
     clearances: Vec<Clearance>,
@@ -54,109 +54,110 @@ pub(crate) struct Points {
     invalid: Vec<Address>,
 }
 
-/// A point that was wanted: where, and what was found there; `None`: it is inside a solid.
-pub(super) type Probed = (Address, Option<Clearance>);
-
 impl Points {
     /// `lattices` by level.
-    pub(crate) fn new(lattices: Vec<Lattice>, neighbourhood: Interpolator) -> Self {
+    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator) -> Self {
         let levels = lattices.into_iter().map(RefinementLevel::new).collect();
-        Self { levels, neighbourhood, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
+        Self { levels, interpolator, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
     }
 
     /// The same lattices without a point.
     pub(crate) fn without_points(&self) -> Self {
-        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.neighbourhood)
+        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.interpolator)
     }
 
-    /// Filled points, whose indices go from 0 up.
+    /// Returns the number of filled points, whose indices go from 0 up.
     pub(crate) fn len(&self) -> usize {
         self.addresses.len()
     }
 
-    /// A level; 0 is the coarsest.
+    /// Returns a level; 0 is the coarsest.
     #[inline(always)]
     pub(crate) fn level(&self, level: u32) -> &RefinementLevel {
         &self.levels[level as usize]
     }
 
-    /// How many levels there may be.
+    /// Returns how many levels there may be.
     pub(crate) fn level_count(&self) -> u32 {
         self.levels.len() as u32
     }
 
-    /// Where a point is, metres.
+    /// Returns the position of a point, metres.
     pub(crate) fn position_of(&self, address: Address) -> Vec3 {
         self.level(address.level).lattice.point(address.coordinate)
     }
 
-    /// Where a filled point is, metres.
+    /// Returns the position of a filled point, metres.
     pub(crate) fn position(&self, index: usize) -> Vec3 {
         self.position_of(self.addresses[index])
     }
 
-    /// Where the filled points are, metres, in the order in which they were filled.
+    /// Returns the positions of the filled points, metres, in the order in which they were filled.
     pub(crate) fn valid_positions(&self) -> impl Iterator<Item = Vec3> {
         self.addresses.iter().map(|&address| self.position_of(address))
     }
 
-    /// Where the points are that were found inside solids, metres.
+    /// Returns the positions of the points inside solids, metres.
     pub(crate) fn invalid_positions(&self) -> impl Iterator<Item = Vec3> {
         self.invalid.iter().map(|&address| self.position_of(address))
     }
 
+    /// Returns the addresses of the points inside solids.
     pub(crate) fn invalid_addresses(&self) -> &[Address] {
         &self.invalid
     }
 
-    /// Distance between neighbours on the coarsest level, metres.
+    /// Returns the distance between neighbours on the coarsest level, metres.
     pub(crate) fn spacing(&self) -> f32 {
         self.levels[0].lattice.spacing()
     }
 
+    /// Returns the address of a filled point.
     pub(crate) fn address(&self, index: usize) -> Address {
         self.addresses[index]
     }
 
+    /// Returns the clearance of a filled point.
     pub(crate) fn clearance(&self, index: u32) -> Clearance {
         self.clearances[index as usize]
     }
 
+    /// Marks a point.
     pub(crate) fn mark(&self, address: Address, marks: &Marks) {
         let (brick, local) = lattice::split(address.coordinate);
         marks.set(address.level, self.level(address.level).lattice.brick_index(brick), local);
     }
 
-    /// No marks yet.
+    /// Returns empty marks for its lattices.
     pub(crate) fn marks(&self) -> Marks {
         Marks::new(self.levels.iter().map(|level| level.lattice.brick_count()))
     }
 
-    /// A reader for one thread.
-    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, sight: CornerVisibility) -> Reader<'a> {
-        Reader::new(scene, self, sight)
+    /// Returns a reader for one thread.
+    pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
+        Reader::new(scene, self, visibility)
     }
 
-    /// Marks the points that vertices read and that are empty. Whether they are hidden from the vertices is not asked.
-    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, sight: CornerVisibility) {
+    /// Marks the points that vertices read and that are empty, also those that are hidden from the vertices.
+    pub(crate) fn demand(&self, scene: &Scene, vertices: &[ShadingPoint], marks: &Marks, visibility: CornerVisibility) {
         let mut reader =
-            self.reader(scene, CornerVisibility::Deferred { finer: sight != CornerVisibility::Stochastic });
+            self.reader(scene, CornerVisibility::Deferred { finer: visibility != CornerVisibility::Stochastic });
         vertices.iter().for_each(|vertex| {
             reader.read(vertex, marks, |_, _| {});
         });
     }
 
-    /// Where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
+    /// Returns where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
     pub(crate) fn cell(&self, vertex: &ShadingPoint) -> (u32, Coordinate) {
-        let mut at = 0;
+        let mut level_index = 0;
         loop {
-            let level = self.level(at);
+            let level = self.level(level_index);
             let stencil = trilinear(&level.lattice, vertex);
             let refined = level.refined(stencil.cell) & stencil.read;
-            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || at + 1 == self.level_count() {
-                return (at, stencil.cell);
+            if 2.0 * stencil.sum(refined) < stencil.sum(stencil.read) || level_index + 1 == self.level_count() {
+                return (level_index, stencil.cell);
             }
-            at += 1;
+            level_index += 1;
         }
     }
 
@@ -165,15 +166,17 @@ impl Points {
         self.levels[level as usize].refine(cell);
     }
 
-    /// Lets each level take over from the one before in a ball about the eye: from the first nearer than `metres`, from each that
-    /// follows nearer than half as much. Ends where the cells that `seen` surface points have in the balls would be more than `most`.
-    pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, seen: &[Vec3], most: u64) {
+    /// Lets each level take over from the one before in a sphere about the eye: from the first nearer than `metres`,
+    /// from each that follows nearer than half as much. Ends where the cells that `surface_points` have in the spheres
+    /// would be more than `max_cells`.
+    pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, surface_points: &[Vec3], max_cells: u64) {
+        // From level to level, count the cells in the sphere before it is refined.
         let (mut cells, mut radius) = (0, metres);
         for level in 0..self.levels.len() - 1 {
             let lattice = &self.levels[level].lattice;
-            let near = seen.iter().filter(|p| p.distance_squared(eye) < radius * radius);
+            let near = surface_points.iter().filter(|p| p.distance_squared(eye) < radius * radius);
             cells += near.map(|&p| lattice.cell(p).0.to_array()).collect::<HashSet<_>>().len() as u64;
-            if cells > most {
+            if cells > max_cells {
                 return;
             }
             self.levels[level].refine_near(eye, radius);
@@ -186,32 +189,34 @@ impl Points {
         self.levels.iter_mut().for_each(RefinementLevel::reset_refinement);
     }
 
-    /// The marked points in brick order; clears the marks.
+    /// Returns the marked points in brick order; clears the marks.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
-    pub(crate) fn take(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
-        let (mut wanted, mut new_bricks) = (Vec::new(), 0);
+    pub(crate) fn take_marked(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
+        // List the marked points of all levels.
+        let (mut requested, mut new_bricks) = (Vec::new(), 0);
         for (level, marks) in (0..).zip(marks.levels()) {
             let RefinementLevel { lattice, bricks, .. } = self.level(level);
-            let (places, new) = marks.take(bricks);
+            let MarkedPoints { points, new_bricks: new } = marks.take(bricks);
             let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
-            wanted.extend(places.into_iter().map(address));
+            requested.extend(points.into_iter().map(address));
             new_bricks += new;
         }
-        self.check_memory(wanted.len(), new_bricks, costs, limit)?;
-        Ok(wanted)
+        self.check_memory(requested.len(), new_bricks, costs, limit)?;
+        Ok(requested)
     }
 
-    /// Refuses so many new points, some of them in new bricks, if they would not fit into `limit` bytes.
+    /// Refuses a number of new points, some of them in new bricks, if they would not fit into `limit` bytes.
     pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
+        // Sum what is kept and what buffers need.
         let points = (self.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
         let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);
-        let passing = ((costs.pending + new) as u64).saturating_mul(costs.passing);
+        let temporary = ((costs.pending + new) as u64).saturating_mul(costs.temporary);
         let needed = (self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK)
             .saturating_add(points.saturating_mul(bytes))
-            .saturating_add(passing);
+            .saturating_add(temporary);
         if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
             return Err(Error::OutOfMemory {
                 what: "the light mesh",
@@ -223,14 +228,16 @@ impl Points {
         Ok(())
     }
 
+    /// Memory of a point without its values and its slot, bytes.
     pub(crate) const BYTES_PER_POINT: u64 = (size_of::<Address>() + size_of::<Clearance>()) as u64;
 
+    /// Returns the memory of all bricks.
     fn brick_bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.bricks.bytes()).sum()
     }
 
-    /// Stores a point; a valid one gets the next index.
-    pub(crate) fn insert(&mut self, (address, clearance): Probed) {
+    /// Stores a point; one with a clearance is valid and gets the next index, one without is inside a solid.
+    pub(crate) fn insert(&mut self, address: Address, clearance: Option<Clearance>) {
         let slot = match clearance {
             Some(clearance) => {
                 self.addresses.push(address);
@@ -245,15 +252,15 @@ impl Points {
         self.levels[address.level as usize].set(address.coordinate, slot);
     }
 
-    /// Takes the points from index `first` on back: they are empty again.
-    pub(crate) fn forget(&mut self, first: usize) {
+    /// Removes the points from index `first` on: they are empty again.
+    pub(crate) fn truncate(&mut self, first: usize) {
         for address in self.addresses.drain(first..) {
             self.levels[address.level as usize].set(address.coordinate, Slot::Empty);
         }
         self.clearances.truncate(first);
     }
 
-    /// Points so far, and the memory of them and of `value_bytes` of values.
+    /// Returns the number of points so far, and the memory of them and of `value_bytes` of values.
     pub(crate) fn stats(&self, value_bytes: u64) -> MeshStats {
         let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > 0).count();
         MeshStats {

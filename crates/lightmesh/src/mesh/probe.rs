@@ -1,4 +1,4 @@
-//! What surrounds a mesh point: whether it is inside a solid, and how much room it has.
+//! Probing a mesh point: whether it is inside a solid, and its clearance.
 
 use glam::Vec3;
 
@@ -7,7 +7,8 @@ use super::lattice::ON_SURFACE;
 use crate::geometry::Ray;
 use crate::interaction::{is_back_face, is_opaque};
 use crate::world::Scene;
-/// Where a point looks to find out whether it is inside a solid: six directions of a cube turned off the axes, along which
+
+/// Directions of the rays that tell whether a point is inside a solid: six of a cube turned off the axes, along which
 /// architecture has its edges.
 const INSIDE: [Vec3; 6] = [
     Vec3::new(0.8, 0.36, 0.48),
@@ -21,17 +22,18 @@ const INSIDE: [Vec3; 6] = [
 /// Towards the neighbours, in the order of [`Clearance`].
 const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 
-/// Rays that [`probe`] shoots.
+/// Rays that [`probe`] traces.
 pub(crate) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 
-/// The room that a point at `x` has up to its neighbours, `spacing` away (metres); `None` if it is inside a solid or on a surface.
+/// Returns the clearance of a point at `x` up to its neighbours, `spacing` away (metres); `None` if it is inside a
+/// solid or on a surface.
 pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
     if is_inside(scene, x, ON_SURFACE * spacing) {
         return None;
     }
     Some(Clearance::new(SIDES.map(|side| {
         let mut ray = Ray { t_max: 1.0, ..Ray::new(x, side * spacing) };
-        // Glass does not part what it lies between.
+        // Glass hides nothing.
         loop {
             let hit = scene.bvh().closest(&ray)?;
             if scene.all_opaque() || is_opaque(scene, &hit) {
@@ -42,9 +44,10 @@ pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
     })))
 }
 
-/// Whether most of what the point sees are back faces of one-sided surfaces, or it lies on a surface, no farther than `near` metres
-/// from it.
+/// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface,
+/// no farther than `near` metres from it.
 fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
+    // Count the faces around the point.
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
         let mut ray = Ray::new(x - direction * near, direction);
@@ -62,7 +65,7 @@ fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
     back > front && (front == 0 || back >= INSIDE.len() / 2)
 }
 
-/// Whether nothing solid stands on the open segment that is `ray`.
+/// Returns whether nothing opaque stands on the open segment that is `ray`.
 pub(super) fn sees(scene: &Scene, ray: &Ray) -> bool {
     if scene.all_opaque() { !scene.bvh().occluded(ray) } else { !scene.bvh().any_hit(ray, |hit| is_opaque(scene, hit)) }
 }

@@ -1,35 +1,36 @@
-//! What a reader is asked for, and what becomes of it: sight, outcomes, corners that are seen and corners that are known.
+//! How a reader finds the corners that are visible, and what becomes of a read.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
-use super::corners::{ByCorner, set_bits};
+use super::corners::ByCorner;
 
-/// How a vertex finds out which corners it sees, where its cell is divided.
+/// How a vertex finds out which corners are visible from it, where its cell is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CornerVisibility {
-    /// All that it sees: what a pixel shows is smooth.
+    /// It reads all that are visible: pixels are smooth.
     All,
-    /// One corner, chosen in proportion to the weights among those it sees: a ray or two. For the many hits of gather rays, of
-    /// which only the sum counts.
+    /// It reads one visible corner, chosen in proportion to the weights: a ray or two. For the many hits of gather
+    /// rays, of which only the sum counts.
     Stochastic,
-    /// All in front of it, hidden or not: for those who ask what corners know of each light, and look themselves where corners
-    /// disagree. Only where no more is left than a lesser part of what a vertex wants to read, each is looked at. On finer levels
-    /// too, or on the first one alone: what gather rays bring to points must not depend on where the picture needs more of them.
+    /// It reads all in front of it, hidden or not: for shading light by light, which traces rays of its own where
+    /// corners differ. Only where the usable corners are a minority of those that the vertex should read does each get
+    /// a ray. `finer`: on finer levels, too, and not on the first one alone; gather rays must not do so, as the values
+    /// that they bring to points must not depend on where the picture refines the mesh.
     Deferred { finer: bool },
 }
 
-/// What became of a read.
+/// The result of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReadResult {
-    /// Every point of the neighbourhood that counts was handed out.
+    /// Every usable point of D_y was visited.
     Value,
-    /// No point of the neighbourhood can be used.
+    /// No point of D_y can be used.
     Unavailable,
-    /// Points are missing; they have been marked. What was handed out does not count.
+    /// Points are missing; they have been marked. Those that were visited do not count.
     Pending,
 }
 
-/// Corners that a vertex sees.
+/// The corners of a cell that are visible from a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VisibleCorners {
     /// A bit each; 0 only where the next level takes over.
@@ -41,41 +42,8 @@ pub(crate) struct VisibleCorners {
 }
 
 impl VisibleCorners {
+    /// No corner of this level.
     pub(super) fn nothing(refined: f32) -> Self {
         Self { mask: 0, weights: [Vec4::ZERO; 2], refined }
-    }
-}
-
-/// Which corners a field's reader knows the light of: for one normal, as long as the cell stays.
-#[derive(Debug, Default)]
-pub(crate) struct CornerValues {
-    n: Vec3,
-    visits: u64,
-    corners: u8,
-}
-
-impl CornerValues {
-    /// Whether the last vertex had this normal in the same visit of a cell, so that it is worth to keep what corners know.
-    #[inline(always)]
-    pub(crate) fn continues(&mut self, n: Vec3, visits: u64) -> bool {
-        let goes_on = self.n == n && self.visits == visits;
-        if !goes_on {
-            *self = Self { n, visits, corners: 0 };
-        }
-        goes_on
-    }
-
-    /// Whether no corner is known yet.
-    #[inline(always)]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.corners == 0
-    }
-
-    /// The corners of `mask` that are not known yet; from now on they are.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, mask: u8) -> impl Iterator<Item = usize> + use<> {
-        let missing = mask & !self.corners;
-        self.corners |= mask;
-        set_bits(missing)
     }
 }

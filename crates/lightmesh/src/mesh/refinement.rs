@@ -1,15 +1,17 @@
-//! One level of a mesh: a lattice, which of its points are known, and where the next level takes over.
+//! One level of a mesh: a lattice, the state of its points, and where the next level takes over.
 //!
-//! Level l has half the spacing of level l − 1. A point that is *refined* gives up its part of the interpolation: with trilinear
-//! weights w_k over the corners k of a cell,
+//! Level l has half the spacing of level l − 1. A point that is *refined* gives up its part of the interpolation: with
+//! trilinear weights w_k over the corners k of a cell,
 //!
 //! > E(y) = Σ_{k not refined} w_k E_k + (Σ_{k refined} w_k) E'(y),
 //!
-//! where E' is what the next level says at y, by the same rule. Weights are continuous and go to 0 where a corner leaves the cell, so
-//! there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a cell whose
-//! corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point needs no value.
+//! where E' is the next level's value at y, by the same rule. Weights are continuous and go to 0 where a corner leaves
+//! the cell, so there is no seam where levels meet, nothing hangs, and no point of either level must be constrained: a
+//! cell whose corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point
+//! needs no value.
 //!
-//! Points are refined one by one, where a picture's light needs it, and in a ball about the eye, where its density is to be higher.
+//! Points are refined one by one, where a picture's light needs it, and in a sphere about the eye, where the mesh is to
+//! be denser.
 
 use std::collections::HashMap;
 
@@ -19,49 +21,52 @@ use super::bricks::{Bricks, Slot};
 use super::corners::corner;
 use super::lattice::{self, Coordinate, Lattice};
 
-/// A lattice and what is known of its points.
+/// A lattice and the state of its points.
 #[derive(Debug)]
 pub(crate) struct RefinementLevel {
     pub(crate) lattice: Lattice,
     pub(crate) bricks: Bricks,
     /// By brick, a bit per refined point.
     refined: HashMap<usize, [u64; 8]>,
-    /// All points in this ball are refined, too.
-    ball: Option<Ball>,
+    /// All points in this sphere are refined, too.
+    near_eye: Option<EyeSphere>,
 }
 
 /// Where a mesh is dense because the eye is near.
 #[derive(Clone, Copy, Debug)]
-struct Ball {
+struct EyeSphere {
     eye: Vec3,
     /// Metres.
     radius: f32,
 }
 
 impl RefinementLevel {
+    /// Empty points, none of them refined.
     pub(crate) fn new(lattice: Lattice) -> Self {
         let bricks = Bricks::new(lattice.bricks());
-        Self { lattice, bricks, refined: HashMap::new(), ball: None }
+        Self { lattice, bricks, refined: HashMap::new(), near_eye: None }
     }
 
+    /// Returns the slot of a point.
     #[inline(always)]
     pub(crate) fn slot(&self, coordinate: Coordinate) -> Slot {
         let (brick, local) = lattice::split(coordinate);
         self.bricks.slot(self.lattice.brick_index(brick), local)
     }
 
-    /// The slots of a cell's eight corners.
+    /// Returns the slots of a cell's eight corners.
     #[inline(always)]
     pub(super) fn slots(&self, cell: Coordinate) -> [Slot; 8] {
         let (brick, local) = lattice::split(cell);
         if (cell & 7).max_element() < 7 {
             // All in one brick.
             let slots = self.bricks.brick(self.lattice.brick_index(brick));
-            return std::array::from_fn(|k| slots.at(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
+            return std::array::from_fn(|k| slots.slot(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
         }
         std::array::from_fn(|k| self.slot(corner(cell, k)))
     }
 
+    /// Sets the slot of a point.
     pub(super) fn set(&mut self, coordinate: Coordinate, slot: Slot) {
         let (brick, local) = lattice::split(coordinate);
         self.bricks.set(self.lattice.brick_index(brick), local, slot);
@@ -77,27 +82,28 @@ impl RefinementLevel {
 
     /// Refines all points nearer to `eye` than `radius`, metres.
     pub(super) fn refine_near(&mut self, eye: Vec3, radius: f32) {
-        self.ball = Some(Ball { eye, radius });
+        self.near_eye = Some(EyeSphere { eye, radius });
     }
 
-    /// Refines nothing any more.
+    /// Takes all refinement back.
     pub(super) fn reset_refinement(&mut self) {
         self.refined.clear();
-        self.ball = None;
+        self.near_eye = None;
     }
 
-    /// Which corners of a cell are refined, a bit each.
+    /// Returns which corners of a cell are refined, a bit each.
     #[inline(always)]
     pub(super) fn refined(&self, cell: Coordinate) -> u8 {
-        if self.refined.is_empty() && self.ball.is_none() {
+        if self.refined.is_empty() && self.near_eye.is_none() {
             return 0;
         }
+        // A corner is refined near the eye, or by itself.
         let is_refined = |k: usize| {
             let coordinate = corner(cell, k);
             let (brick, local) = lattice::split(coordinate);
             let is_near =
-                |ball: Ball| self.lattice.point(coordinate).distance_squared(ball.eye) < ball.radius * ball.radius;
-            self.ball.is_some_and(is_near)
+                |EyeSphere { eye, radius }| self.lattice.point(coordinate).distance_squared(eye) < radius * radius;
+            self.near_eye.is_some_and(is_near)
                 || self
                     .refined
                     .get(&self.lattice.brick_index(brick))

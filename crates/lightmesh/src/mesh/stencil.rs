@@ -4,20 +4,21 @@ use glam::{UVec3, Vec3, Vec4};
 
 use super::bricks::Slot;
 use super::corners::{ByCorner, ONES, corner};
-use super::lattice::{Coordinate, Lattice, ON_SURFACE};
+use super::lattice::{Coordinate, Lattice, ON_SURFACE, PointBlock};
 use crate::interaction::ShadingPoint;
 use crate::{Interpolation, Method, MissingCorners, PaperScale, PointWeight, RenderOptions};
 
-/// The trilinear reader looks this far (cells) off the surface along its normal, so that a wall between lattice planes
-/// reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length, error against exact
-/// shadow rays: offset 0.25: 5.13 / 3.20%, 0.5: 5.04 / 2.95%, 0.75: 5.26 / 2.89% with 1.6 times as many points.
+/// The trilinear reader reads at a position this far (cells) off the surface along its normal, so that a wall between
+/// lattice planes reads mostly points in front of it. Measured on the room of 15 / 100 lights at 1/80 of its length,
+/// error against exact shadow rays: offset 0.25: 5.13 / 3.20%, 0.5: 5.04 / 2.95%, 0.75: 5.26 / 2.89% with 1.6 times as
+/// many points.
 const NORMAL_OFFSET: f32 = 0.5;
 
 /// Corners with less weight are not read: the rest is renormalised, so the step is at most this part of the differences
 /// between corners. Keeps a flat wall on lattice planes from asking for the next plane because of rounding.
 const MIN_WEIGHT: f32 = 1e-3;
 
-/// Which points D_y holds.
+/// Which points D_y holds, and their weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Interpolator {
     Trilinear,
@@ -26,67 +27,70 @@ pub(crate) enum Interpolator {
     Nearest,
 }
 
-/// A sphere of points.
+/// All points in a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SphereStencil {
-    /// In spacings.
+    /// Its radius, in spacings.
     pub radius: f32,
     pub weight: PointWeight,
-    /// How far its middle is off the surface, along the normal, in spacings: 0 as the paper has it.
+    /// How far its center is off the surface, along the normal, in spacings: 0 as in the paper.
     pub normal_offset: f32,
 }
 
 impl SphereStencil {
-    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the room of 15 lights, points inside solids left
-    /// out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1 13.8%.
-    const LIFT: f32 = 0.6;
+    /// [`SphereStencil::normal_offset`] of the paper's scalar. Measured with spheres of 1.5 spacings at 1/40 of the
+    /// room of 15 lights, points inside solids left out: 0 16.4%, 0.25 15.5%, 0.5 15.0%, 0.6 14.8%, 0.75 14.5%, 1
+    /// 13.8%.
+    const PAPER_OFFSET: f32 = 0.6;
 }
 
 impl Interpolator {
+    /// Returns the interpolator that the options choose.
     pub(crate) fn of(options: &RenderOptions) -> Self {
         let weight = options.mesh.weight;
-        let mended = matches!(options.method, Method::Paper { scale: PaperScale::Visibility, .. });
-        let lift = if mended { SphereStencil::LIFT } else { 0.0 };
+        let scales_by_visibility = matches!(options.method, Method::Paper { scale: PaperScale::Visibility, .. });
+        let normal_offset = if scales_by_visibility { SphereStencil::PAPER_OFFSET } else { 0.0 };
         match options.resolved().interpolation {
             Interpolation::Auto | Interpolation::Trilinear => Self::Trilinear,
             Interpolation::TrilinearWith(rule) => Self::TrilinearWith(rule),
-            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset: lift }),
+            Interpolation::Sphere { radius } => Self::Sphere(SphereStencil { radius, weight, normal_offset }),
             Interpolation::Nearest => Self::Nearest,
         }
     }
 
-    /// The same for the indirect field, which has no rules for missing corners: they are said in terms of visibility.
-    pub(crate) fn of_indirect_light(self) -> Self {
+    /// Returns the interpolator of the indirect field, which has no rules for missing corners: they are rules for
+    /// visibility.
+    pub(crate) fn without_rules(self) -> Self {
         if matches!(self, Self::TrilinearWith(_)) { Self::Trilinear } else { self }
     }
 
-    /// The corners of the smallest block of lattice points that holds all that a surface at `p` reads, whichever way it faces.
-    pub(crate) fn around(self, lattice: &Lattice, p: Vec3) -> (Coordinate, Coordinate) {
+    /// Returns the smallest block that holds all the points that a surface at `p` reads, whichever way it faces.
+    pub(crate) fn range_around(self, lattice: &Lattice, p: Vec3) -> PointBlock {
         let offset = match self {
             Self::Trilinear => NORMAL_OFFSET,
             Self::TrilinearWith(_) => ON_SURFACE,
             Self::Nearest => 0.0,
-            Self::Sphere(ball) => {
+            Self::Sphere(stencil) => {
                 // The sum is rounded otherwise than the reader's.
-                let r = 1.001 * (ball.radius + ball.normal_offset) * lattice.spacing();
+                let r = 1.001 * (stencil.radius + stencil.normal_offset) * lattice.spacing();
                 return lattice.range(p - r, p + r);
             }
         };
         let offset = offset * lattice.spacing();
-        (lattice.cell(p - offset).0, lattice.cell(p + offset).0 + 1)
+        PointBlock { low: lattice.cell(p - offset).0, high: lattice.cell(p + offset).0 + 1 }
     }
 
-    /// How many cells beyond the scene's box a reader may look.
+    /// Returns how many cells beyond the scene's box a surface may read.
     pub(crate) fn reach(self) -> u32 {
         match self {
             Self::Trilinear | Self::TrilinearWith(_) | Self::Nearest => 1,
-            Self::Sphere(ball) => (ball.radius + ball.normal_offset).ceil() as u32,
+            Self::Sphere(stencil) => (stencil.radius + stencil.normal_offset).ceil() as u32,
         }
     }
 }
 
-/// The eight corners of the cell at a vertex: corner k is the cell's lower corner plus bit 0 of k in x, bit 1 in y and bit
-/// 2 in z.
+/// The eight corners of the cell at a vertex: corner k is the cell's lower corner plus bit 0 of k in x, bit 1 in y and
+/// bit 2 in z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
     /// The cell's lower corner.
@@ -100,32 +104,32 @@ pub(super) struct Stencil {
 }
 
 impl Stencil {
-    /// The trilinear weights of some corners together.
+    /// Returns the trilinear weights of some corners together.
     #[inline(always)]
     pub(super) fn sum(&self, corners: u8) -> f32 {
         self.weights[0].dot(ONES[corners as usize & 15]) + self.weights[1].dot(ONES[corners as usize >> 4])
     }
 
-    /// The trilinear weight of corner k.
+    /// Returns the trilinear weight of corner k.
     #[inline(always)]
     pub(super) fn weight(&self, k: usize) -> f32 {
         self.weights[k / 4][k % 4]
     }
 }
 
-/// Trilinear weights about the vertex; corners behind its surface are left out.
+/// Returns the trilinear weights at the vertex; corners behind its surface are left out.
 #[inline(always)]
 pub(super) fn trilinear(lattice: &Lattice, vertex: &ShadingPoint) -> Stencil {
     stencil(lattice, vertex, NORMAL_OFFSET)
 }
 
-/// The same for the cell that is `offset` spacings off the surface.
+/// Returns the trilinear weights at the position `offset` spacings off the surface.
 #[inline(always)]
 pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> Stencil {
-    let (cell, place) = lattice.cell_and_place(vertex.position + vertex.ng * (offset * lattice.spacing()));
-    let frac = place.clamp(Vec3::ZERO, Vec3::ONE);
-    // The vertex is below `place` by the offset.
-    let height = offset - vertex.ng.dot(place);
+    let (cell, position) = lattice.cell_and_position(vertex.position + vertex.ng * (offset * lattice.spacing()));
+    let frac = position.clamp(Vec3::ZERO, Vec3::ONE);
+    // The vertex is below `position` by the offset.
+    let height = offset - vertex.ng.dot(position);
     let rest = Vec3::ONE - frac;
     let flat = Vec4::new(rest.x, frac.x, rest.x, frac.x) * Vec4::new(rest.y, rest.y, frac.y, frac.y);
     let weights = [flat * rest.z, flat * frac.z];
@@ -138,30 +142,33 @@ pub(super) fn stencil(lattice: &Lattice, vertex: &ShadingPoint, offset: f32) -> 
     Stencil { cell, weights, heights, read: read[0] | read[1] << 4 }
 }
 
-/// How far a cell's corners are above a plane of unit normal `ng`, if corner 0 is `height` above it, all in spacings.
+/// Returns how far a cell's corners are above a plane of unit normal `ng`, if corner 0 is `height` above it, all in
+/// spacings.
 #[inline(always)]
 pub(super) fn heights_above(ng: Vec3, height: f32) -> ByCorner {
     let lower = height + Vec4::new(0.0, ng.x, 0.0, ng.x) + Vec4::new(0.0, 0.0, ng.y, ng.y);
     [lower, lower + ng.z]
 }
 
-/// Every point of the sphere that is before the vertex' plane, and its φ4.
+/// Visits every point of the sphere that is before the vertex' plane, with its φ4.
 pub(super) fn sphere(
     lattice: &Lattice,
     vertex: &ShadingPoint,
-    SphereStencil { radius, weight, normal_offset: lift }: SphereStencil,
+    stencil: SphereStencil,
     mut visit: impl FnMut(Coordinate, f32) -> Slot,
 ) {
+    // Visit the block that holds the sphere.
+    let SphereStencil { radius, weight, normal_offset } = stencil;
     let r = radius * lattice.spacing();
-    let middle = vertex.position + vertex.ng * (lift * lattice.spacing());
-    let (low, high) = lattice.range(middle - r, middle + r);
+    let center = vertex.position + vertex.ng * (normal_offset * lattice.spacing());
+    let PointBlock { low, high } = lattice.range(center - r, center + r);
     for z in low.z..=high.z {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
                 let coordinate = UVec3::new(x, y, z);
                 let point = lattice.point(coordinate);
                 let d = point - vertex.position;
-                if point.distance_squared(middle) <= r * r && vertex.ng.dot(d) > 0.0 {
+                if point.distance_squared(center) <= r * r && vertex.ng.dot(d) > 0.0 {
                     visit(coordinate, phi(weight, d * lattice.inv_spacing(), radius, vertex.ng));
                 }
             }
@@ -169,7 +176,7 @@ pub(super) fn sphere(
     }
 }
 
-/// φ4 of a point that is `d` spacings from a surface point of normal `ng`, in a sphere of `radius` spacings.
+/// Returns φ4 of a point that is `d` spacings from a surface point of normal `ng`, in a sphere of `radius` spacings.
 fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
     match weight {
         PointWeight::Constant => 1.0,
@@ -182,10 +189,11 @@ fn phi(weight: PointWeight, d: Vec3, radius: f32, ng: Vec3) -> f32 {
     }
 }
 
-/// The cell's corners that are in front of the surface, the nearest first, until `visit` finds a usable one: it says what
-/// is at the point.
+/// Visits the cell's corners that are in front of the surface, the nearest first, until `visit` returns the slot of a
+/// usable one.
 pub(super) fn nearest(lattice: &Lattice, vertex: &ShadingPoint, mut visit: impl FnMut(Coordinate) -> Slot) {
     let (base, _) = lattice.cell(vertex.position);
+    // Sort the corners by distance; those behind the surface are last.
     let mut corners: [(f32, Coordinate); 8] = std::array::from_fn(|k| {
         let coordinate = corner(base, k);
         let d = lattice.point(coordinate) - vertex.position;

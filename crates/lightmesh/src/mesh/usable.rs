@@ -1,4 +1,4 @@
-//! How much of what a surface asks the mesh for it can use: a layer of the picture, nothing that light depends on.
+//! The usable part of the points that a surface reads: a layer of the picture, on which no light depends.
 
 use super::bricks::Slot;
 use super::marks::Marks;
@@ -8,32 +8,33 @@ use super::reader::Reader;
 use super::stencil::{Interpolator, nearest, sphere, trilinear};
 use crate::interaction::ShadingPoint;
 
-/// The part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides them
-/// from it. All of them have been evaluated.
+/// Returns the part, by φ4, of the points of D_y that a vertex can use: they are not inside a solid, and nothing hides
+/// them from it. All of them have been evaluated.
 pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: &ShadingPoint, marks: &Marks) -> f32 {
-    let (mut usable, mut asked) = (0.0, 0.0);
+    // Sum the weights of all points and those of the usable ones.
+    let (mut usable, mut total) = (0.0, 0.0);
     let mut visit = |slot: Slot, weight: f32| {
-        asked += weight;
+        total += weight;
         usable += if matches!(slot, Slot::Filled(_)) { weight } else { 0.0 };
         slot
     };
-    match points.neighbourhood {
+    match points.interpolator {
         Interpolator::Trilinear => {
             let stencil = trilinear(&points.level(0).lattice, vertex);
-            if let Ok(seen) = reader.corners(vertex, marks) {
-                asked = stencil.sum(stencil.read);
-                usable = stencil.sum(seen.mask) + seen.refined;
+            if let Ok(visible) = reader.corners(vertex, marks) {
+                total = stencil.sum(stencil.read);
+                usable = stencil.sum(visible.mask) + visible.refined;
             }
         }
         Interpolator::TrilinearWith(_) => return usable_share(points.level(0), vertex),
-        Interpolator::Sphere(ball) => {
+        Interpolator::Sphere(stencil) => {
             let level = points.level(0);
-            sphere(&level.lattice, vertex, ball, |coordinate, w| visit(level.slot(coordinate), w));
+            sphere(&level.lattice, vertex, stencil, |coordinate, w| visit(level.slot(coordinate), w));
         }
         Interpolator::Nearest => {
             let level = points.level(0);
             nearest(&level.lattice, vertex, |coordinate| visit(level.slot(coordinate), 1.0));
         }
     }
-    if asked > 0.0 { usable / asked } else { 0.0 }
+    if total > 0.0 { usable / total } else { 0.0 }
 }

@@ -29,8 +29,8 @@ const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
 /// The mean FLIP error of `a` to the reference `b`, in [0, 1]: 0 for no visible difference.
 ///
-/// Both are `width` × `height` pictures as a display shows them: display-linear Rec. 709 RGB in [0, 1], after exposure and
-/// tone map (values outside are clamped). `pixels_per_degree` says how large a pixel is to the eye, > 0.
+/// Both are `width` × `height` pictures as a display shows them: display-linear Rec. 709 RGB in [0, 1], after exposure
+/// and tone map (values outside are clamped). `pixels_per_degree` says how large a pixel is to the eye, > 0.
 ///
 /// # Panics
 /// If a length is not `width · height`; compare the sizes first.
@@ -171,7 +171,8 @@ fn balanced(kernel: Vec<f64>) -> Vec<f64> {
     kernel.into_iter().map(|k| if k > 0.0 { k / positive } else { k / negative }).collect()
 }
 
-/// The channel convolved with `horizontal` along rows, then `vertical` along columns; beyond the border its pixels go on.
+/// The channel convolved with `horizontal` along rows, then `vertical` along columns; beyond the border its pixels go
+/// on.
 fn convolve(channel: &[f64], size: Size, horizontal: &[f64], vertical: &[f64]) -> Vec<f64> {
     let Size { width, height } = size;
     let clamped = |i: usize, k: usize, kernel: &[f64], n: usize| (i + k).saturating_sub(kernel.len() / 2).min(n - 1);
@@ -268,7 +269,8 @@ mod tests {
         assert!((redistribute(40.0, 40.0) - 1.0).abs() < 1e-12);
     }
 
-    /// Constant pictures: no filter and no feature matters, FLIP is the redistributed colour difference. Black to white:
+    /// Constant pictures: no filter and no feature matters, FLIP is the redistributed colour difference. Black to
+    /// white:
     /// |ΔL| = 100.
     #[test]
     fn constant_pictures_differ_by_their_colour() {

@@ -1,6 +1,7 @@
 //! Bits of masks.
 
-/// The indices of the set bits, ascending. No bit from `END` on may be set; the compiler sees that all indices are below it.
+/// The indices of the set bits, ascending. No bit from `END` on may be set; the compiler sees that all indices are
+/// below it.
 #[inline(always)]
 pub(crate) fn set_bits<const END: usize>(mask: impl Into<u64>) -> impl Iterator<Item = usize> + Clone {
     let mut mask = mask.into();

@@ -1,10 +1,12 @@
 //! Pearson's χ² test, for the tests of samplers.
 
-/// Asserts that `counts` are a sample of the distribution in proportion to `weights`; cells without weight must be empty.
+/// Asserts that `counts` are a sample of the distribution in proportion to `weights`; cells without weight must be
+/// empty.
 ///
-/// The statistic must stay below the value that chance exceeds once in 10,000 times, by Wilson and Hilferty's approximation ("The
-/// Distribution of Chi-Square", PNAS 17, 1931): χ²/k is nearly the cube of a normal variable of mean 1 − 2/9k and variance 2/9k.
-/// That gives 19.3, 24.2, 67.9 and 115.0 for k = 2, 4, 30 and 64 degrees of freedom; exact are 18.4, 23.5, 67.6 and 114.8.
+/// The statistic must stay below the value that chance exceeds once in 10,000 times, by Wilson and Hilferty's
+/// approximation ("The Distribution of Chi-Square", PNAS 17, 1931): χ²/k is nearly the cube of a normal variable of
+/// mean 1 − 2/9k and variance 2/9k. That gives 19.3, 24.2, 67.9 and 115.0 for k = 2, 4, 30 and 64 degrees of freedom;
+/// exact are 18.4, 23.5, 67.6 and 114.8.
 pub(crate) fn assert_follows(counts: &[u32], weights: &[f64]) {
     assert_eq!(counts.len(), weights.len());
     const NORMAL_QUANTILE: f64 = 3.719;

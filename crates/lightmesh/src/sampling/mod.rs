@@ -13,8 +13,8 @@ use glam::{Vec2, Vec3};
 pub(crate) use piecewise_constant::Table;
 pub(crate) use rng::{fold_seed, hash, seed_of_coordinate, seed_of_position, seed_of_surface, unit_f32};
 
-/// Samples of one pixel: an Owen-scrambled Sobol sequence (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020), four
-/// dimensions at a time, decorrelated between pixels and groups of dimensions by their seeds.
+/// Samples of one pixel: an Owen-scrambled Sobol sequence (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020),
+/// four dimensions at a time, decorrelated between pixels and groups of dimensions by their seeds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler {
     index: u32,
@@ -24,21 +24,22 @@ pub(crate) struct Sampler {
 }
 
 impl Sampler {
-    /// Numbers for the `sample`-th path of its pixel.
+    /// Makes the sampler of the `sample`-th path of a pixel.
     pub(crate) fn new(seed: u64, pixel: u32, sample: u32) -> Self {
         let seed = hash(fold_seed(seed) ^ pixel);
         Self { index: sample, seed, dimension: 0, choices: 0 }
     }
 
-    /// Numbers for one of `count` paths that this one splits into: all of a pixel's are one set.
-    pub(crate) fn branch(&self, branch: u32, count: u32) -> Self {
+    /// Returns the sampler of one of `count` paths that this one splits into. All such paths of a pixel share one point
+    /// set.
+    pub(crate) fn split(&self, branch: u32, count: u32) -> Self {
         // Sets have at most 2¹⁶ points.
         let index = u64::from(self.index) * u64::from(count) + u64::from(branch);
         let seed = hash(self.seed.wrapping_add(1 + (index >> 16) as u32));
         Self { index: index as u32 & 0xffff, seed, dimension: 0, choices: 0 }
     }
 
-    /// The next number, in [0, 1).
+    /// Returns the next number, in [0, 1).
     pub(crate) fn next(&mut self) -> f32 {
         let group = self.dimension / 4;
         let x = sobol_burley::sample(self.index, self.dimension % 4, self.seed.wrapping_add(hash(group)));
@@ -46,7 +47,8 @@ impl Sampler {
         x
     }
 
-    /// A number in [0, 1) that takes no dimension of the sequence: for choices, of which most have one way to go.
+    /// Returns a number in [0, 1) that uses no dimension of the sequence: for choices, most of which have one
+    /// alternative only.
     pub(crate) fn choice(&mut self) -> f32 {
         self.choices += 1;
         unit_f32(hash(hash(self.seed ^ hash(self.index)).wrapping_add(self.choices)))
@@ -59,7 +61,7 @@ impl Sampler {
     }
 }
 
-/// Where `count` samples of a pixel lie in [0, 1)², in units of 2⁻³²: Owen-scrambled Sobol points.
+/// Returns the positions of `count` samples of a pixel in [0, 1)², in units of 2⁻³²: Owen-scrambled Sobol points.
 pub(crate) fn film_samples(count: u32) -> Vec<[u32; 2]> {
     let digits = |i, dimension| (sobol_burley::sample(i, dimension, 0) * (1_u64 << 32) as f32) as u32;
     (0..count).map(|i| [digits(i, 0), digits(i, 1)]).collect()
@@ -77,8 +79,8 @@ pub(crate) fn pdf_cosine_hemisphere(cos: f32) -> f32 {
     cos.max(0.0) * std::f32::consts::FRAC_1_PI
 }
 
-/// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al., "Building an Orthonormal Basis,
-/// Revisited", JCGT 2017).
+/// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al., "Building an Orthonormal
+/// Basis, Revisited", JCGT 2017).
 pub(crate) fn basis(n: Vec3) -> (Vec3, Vec3) {
     let sign = 1.0_f32.copysign(n.z);
     let a = -1.0 / (sign + n.z);
@@ -106,8 +108,8 @@ mod tests {
         }
     }
 
-    /// u is uniform, so the inverted samples of an independent rejection sampler (uniform points of the disk, lifted) fill 64 cells
-    /// of equal probability evenly.
+    /// u is uniform, so the inverted samples of an independent rejection sampler (uniform points of the disk, lifted)
+    /// fill 64 cells of equal probability evenly.
     #[test]
     fn the_density_is_the_cosine() {
         let mut cells = [0u32; 64];

@@ -1,4 +1,4 @@
-//! Choosing a cell of a picture in proportion to its brightness, row first, then column.
+//! Sampling the cells of a picture in proportion to their brightness, row first, then column.
 
 use glam::Vec2;
 
@@ -13,7 +13,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// From `width · height` weights of 0 or more, not all of them 0.
+    /// Makes the table of `width · height` weights of 0 or more, not all of them 0.
     pub(crate) fn new(width: usize, weights: &[f32]) -> Self {
         let height = weights.len() / width;
         let mut columns = Vec::with_capacity(weights.len());
@@ -26,25 +26,25 @@ impl Table {
         Self { width, height, columns, rows }
     }
 
-    /// The place that u in [0, 1)² leads to, as (u, v) in [0, 1)²: uniform inside a cell.
+    /// Samples a (u, v) in [0, 1)² by u in [0, 1)²: uniform inside a cell.
     pub(crate) fn sample(&self, u: Vec2) -> Vec2 {
         let (row, y) = find(&self.rows, u.y);
         let (column, x) = find(&self.columns[row * self.width..][..self.width], u.x);
         Vec2::new((column as f32 + x) / self.width as f32, (row as f32 + y) / self.height as f32)
     }
 
-    /// The density at a place; its mean over [0, 1)² is 1.
-    pub(crate) fn pdf(&self, place: Vec2) -> f32 {
-        let (column, row) = self.cell(place);
+    /// Returns the density at (u, v); its mean over [0, 1)² is 1.
+    pub(crate) fn pdf(&self, uv: Vec2) -> f32 {
+        let (column, row) = self.cell(uv);
         let share = |cdf: &[f32], i: usize| cdf[i] - if i > 0 { cdf[i - 1] } else { 0.0 };
         let columns = &self.columns[row * self.width..][..self.width];
         share(columns, column) * share(&self.rows, row) * (self.width * self.height) as f32
     }
 
-    /// The cell of a place: column and row.
-    pub(crate) fn cell(&self, place: Vec2) -> (usize, usize) {
+    /// Returns the cell of (u, v): column and row.
+    pub(crate) fn cell(&self, uv: Vec2) -> (usize, usize) {
         let at = |x: f32, n: usize| ((x * n as f32) as usize).min(n - 1);
-        (at(place.x, self.width), at(place.y, self.height))
+        (at(uv.x, self.width), at(uv.y, self.height))
     }
 }
 
@@ -66,7 +66,7 @@ fn accumulate(weights: impl ExactSizeIterator<Item = f32>, out: &mut Vec<f32>) -
     sum as f32
 }
 
-/// The entry in which the running sums reach `u`, and how far into it.
+/// Returns the entry in which the running sums reach `u`, and how far into it.
 fn find(cdf: &[f32], u: f32) -> (usize, f32) {
     let i = cdf.partition_point(|&c| c <= u).min(cdf.len() - 1);
     let before = if i > 0 { cdf[i - 1] } else { 0.0 };
@@ -84,17 +84,14 @@ mod tests {
         (Table::new(6, &weights), weights)
     }
 
-    fn invert(table: &Table, place: Vec2) -> Vec2 {
-        let (column, row) = table.cell(place);
+    fn invert(table: &Table, uv: Vec2) -> Vec2 {
+        let (column, row) = table.cell(uv);
         let at = |cdf: &[f32], i: usize, x: f32| {
             let before = if i > 0 { cdf[i - 1] } else { 0.0 };
             before + (cdf[i] - before) * (x - x.floor())
         };
         let columns = &table.columns[row * table.width..][..table.width];
-        Vec2::new(
-            at(columns, column, place.x * table.width as f32),
-            at(&table.rows, row, place.y * table.height as f32),
-        )
+        Vec2::new(at(columns, column, uv.x * table.width as f32), at(&table.rows, row, uv.y * table.height as f32))
     }
 
     #[test]

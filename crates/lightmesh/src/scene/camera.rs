@@ -60,7 +60,7 @@ impl Camera {
         Self::look_at(center + direction * (radius / libm::sinf(0.5 * yfov)), center, yfov)
     }
 
-    /// Width over height that the camera asks for; 1.5 where it does not say.
+    /// Width over height that the author meant; 1.5 if it is not given.
     pub fn aspect(&self) -> f32 {
         match self.projection {
             Projection::Perspective { aspect, .. } => aspect.unwrap_or(1.5),
@@ -68,8 +68,8 @@ impl Camera {
         }
     }
 
-    /// What turns film positions of a `width` × `height` picture into rays. A perspective camera keeps its vertical
-    /// field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
+    /// Returns the map from film positions of a `width` × `height` picture to rays. A perspective camera keeps its
+    /// vertical field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
     pub fn film(&self, width: u32, height: u32) -> FilmRays {
         let m = &self.world_from_camera.matrix3;
         let (right, up) = (Vec3::from(m.x_axis).normalize_or(Vec3::X), Vec3::from(m.y_axis).normalize_or(Vec3::Y));
@@ -100,7 +100,7 @@ pub struct FilmRays {
     forward: Vec3,
     dx: Vec3,
     dy: Vec3,
-    /// Their length.
+    /// The length of `dx` and `dy`.
     pixel: f32,
     center_x: f32,
     center_y: f32,
@@ -118,32 +118,33 @@ impl FilmRays {
         }
     }
 
-    /// Where a perspective camera's rays start; the position of any camera, metres.
+    /// The camera's position, metres; rays of a perspective camera start there.
     pub(crate) fn eye(&self) -> Vec3 {
         self.eye
     }
 
-    /// The cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle lies `aside` of the ray,
-    /// in pixels. It is as wide as the root of its solid angle, cos³θ times that of a square on the axis, θ the angle to it.
-    pub(crate) fn cone(&self, ray: &Ray, width: f32, aside: Vec2) -> Cone {
+    /// Returns the cone of which `ray`, one of the film's, is a sample: that of a square `width` pixels wide whose middle
+    /// is `offset` pixels from the ray. It is as wide as the root of its solid angle, cos³θ times that of a square on the
+    /// axis, θ the angle to it.
+    pub(crate) fn cone(&self, ray: &Ray, width: f32, offset: Vec2) -> Cone {
         let pixel = self.pixel;
         let cos = ray.direction.dot(self.forward).max(0.0);
-        let aside = self.dx * aside.x + self.dy * aside.y;
+        let offset = self.dx * offset.x + self.dy * offset.y;
         if self.parallel {
-            return Cone { width: width * pixel, spread: 0.0, aside: aside / (width * pixel) };
+            return Cone { width: width * pixel, spread: 0.0, offset: offset / (width * pixel) };
         }
         let spread = width * pixel * cos * cos.sqrt();
         // The derivative of the unit direction.
-        let aside = (aside - ray.direction * aside.dot(ray.direction)) * cos;
-        Cone { width: 0.0, spread, aside: aside / spread }
+        let offset = (offset - ray.direction * offset.dot(ray.direction)) * cos;
+        Cone { width: 0.0, spread, offset: offset / spread }
     }
 
-    /// How far `p` is along the axis that the camera looks along, metres.
+    /// Returns the distance of `p` along the camera's axis, metres.
     pub(crate) fn depth(&self, p: Vec3) -> f32 {
         (p - self.eye).dot(self.forward)
     }
 
-    /// The film position of a point whose depth is above 0, and the size in pixels that a metre has there.
+    /// Returns the film position of a point whose depth is above 0, and the size in pixels of a metre there.
     pub(crate) fn project(&self, p: Vec3) -> (Vec2, f32) {
         let offset = p - self.eye;
         let scale = if self.parallel { 1.0 } else { 1.0 / self.depth(p) };

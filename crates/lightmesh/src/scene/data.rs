@@ -32,13 +32,13 @@ pub struct ShapeEntry {
 
 /// Everything that a scene file says, in plain arrays: metres, Y up or not as the author likes, candela, lux and cd/m².
 ///
-/// It may hold anything; `Scene::new` checks it once and builds what rays need.
+/// It may be inconsistent: `Scene::new` checks it once and builds what rays need.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneData {
     /// Triangle meshes in object space.
     pub meshes: Vec<TriangleMesh>,
-    /// Their places in the world. A mesh with many instances is stored once.
+    /// Meshes placed in the world. A mesh with many instances is stored once.
     pub instances: Vec<Instance>,
     /// Analytic spheres in world space.
     pub spheres: Vec<Sphere>,
@@ -53,15 +53,15 @@ pub struct SceneData {
     pub images: Vec<ImageData>,
     /// Punctual lights.
     pub lights: Vec<Light>,
-    /// What rays see that leave the scene; `None`: black.
+    /// The light of rays that leave the scene; `None`: black.
     pub environment: Option<Environment>,
     /// Cameras of the file.
     pub cameras: Vec<Camera>,
 }
 
 impl SceneData {
-    /// A box around all surfaces, metres, before anything is checked: indices that lead nowhere count as nothing. It may be
-    /// larger than needed where an instance is rotated, as whole boxes of meshes are transformed.
+    /// Returns a box around all surfaces, metres. The data may be unchecked: indices out of range are left out. The box
+    /// of a rotated instance may be larger than needed, as the box of the mesh is transformed.
     pub fn bounds(&self) -> Aabb {
         let placed = self.instances.iter().filter_map(|instance| {
             let mesh = self.meshes.get(instance.mesh)?;

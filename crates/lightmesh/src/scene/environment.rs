@@ -4,13 +4,13 @@ use glam::{Quat, Vec3};
 
 use super::texture::{ImageData, Texels};
 
-/// An environment: what rays see that leave the scene.
+/// An environment: the light of rays that leave the scene.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Environment {
-    /// A latitude-longitude map of linear RGB, or `None` for 1 in every direction. Row 0 is up (+Y), the middle of the map is
-    /// +X, columns go on towards +Z, as Blender's environment textures do after export to glTF's axes, and three.js':
-    /// column `u` and row `v` in [0, 1] look along (−cos 2πu sin πv, cos πv, −sin 2πu sin πv).
+    /// A latitude-longitude map of linear RGB, or `None` for 1 in every direction. Row 0 is up (+Y), the middle of the
+    /// map is +X, columns go on towards +Z, as Blender's environment textures do after export to glTF's axes, and
+    /// three.js': column `u` and row `v` in [0, 1] look along (−cos 2πu sin πv, cos πv, −sin 2πu sin πv).
     pub map: Option<ImageData>,
     /// Luminance per channel of a texel of 1, cd/m².
     pub radiance: Vec3,
@@ -18,7 +18,7 @@ pub struct Environment {
     pub world_from_map: Quat,
 }
 
-/// A soft white sky for scenes that say nothing of light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a
+/// Returns a soft white sky for scenes without light: 150 cd/m² above, falling smoothly to 50 cd/m² below, so that a
 /// white surface that faces it gets the luminance of a lit room, 100 cd/m² on average.
 pub fn soft_environment() -> Environment {
     const ROWS: u32 = 32;

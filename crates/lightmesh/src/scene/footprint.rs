@@ -3,41 +3,46 @@
 use glam::{Vec2, Vec4};
 
 use super::mipmap::Mipmap;
-use super::texture::{ColorEncoding, Filter, ImageData, Texture, UvTransform, fold};
+use super::texture::{ColorEncoding, Filter, ImageData, LookupRow, Texture, UvTransform, wrap_to_period};
 
-/// What a sample covers of a texture: the parallelogram of two vectors about a place beside the one that it hits.
+/// The part of a texture that a sample covers: the parallelogram of two vectors about a point beside the one that it
+/// hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Footprint {
     /// Its sides, in texture coordinates.
     pub sides: [Vec2; 2],
-    /// Where its middle is beside the place that was hit, in texture coordinates.
-    pub aside: Vec2,
+    /// From the point that was hit to its middle, in texture coordinates.
+    pub offset: Vec2,
 }
 
-/// Lookups at most for one footprint, as GPUs have them. A footprint that is longer than so many times its width is looked
-/// up sparsely, not more coarsely: what is missed is noise that more samples remove, and stripes that run along it stay sharp.
+/// Lookups at most for one footprint, as GPUs have them. A footprint that is longer than so many times its width is
+/// looked up sparsely, not more coarsely: what is missed is noise that more samples remove, and stripes that run along
+/// it stay sharp.
 const MOST_TAPS: f32 = 16.0;
 
 impl Footprint {
-    /// A single place.
-    pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], aside: Vec2::ZERO };
+    /// A single point.
+    pub(crate) const POINT: Self = Self { sides: [Vec2::ZERO; 2], offset: Vec2::ZERO };
 
-    /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third barycentric coordinates.
+    /// The footprint in the coordinates that a triangle's corners have, if it is one in its second and third
+    /// barycentric coordinates.
     pub(crate) fn mapped(self, corners: [Vec2; 3]) -> Self {
         let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
         let map = |side: Vec2| b * side.x + c * side.y;
-        Self { sides: self.sides.map(map), aside: map(self.aside) }
+        Self { sides: self.sides.map(map), offset: map(self.offset) }
     }
 
     /// The footprint in the coordinates that a transform makes.
     pub(crate) fn transformed(self, transform: &UvTransform) -> Self {
-        Self { sides: self.sides.map(|side| transform.matrix * side), aside: transform.matrix * self.aside }
+        Self { sides: self.sides.map(|side| transform.matrix * side), offset: transform.matrix * self.offset }
     }
 
-    /// The row of lookups that replaces it on an image, or `None` if it is no longer than a texel: the image is magnified.
+    /// Returns the row of lookups that replaces the footprint on an image, or `None` if it is no longer than a texel:
+    /// the image is magnified.
     ///
-    /// A parallelogram of sides a and b spreads its light as the ellipse does whose axes are the eigenvectors of aaᵀ + bbᵀ, the roots of
-    /// its eigenvalues their lengths (Heckbert, "Fundamentals of Texture Mapping and Image Warping", 1989, section 3.5).
+    /// A parallelogram of sides a and b spreads its light as the ellipse does whose axes are the eigenvectors of aaᵀ +
+    /// bbᵀ, the roots of its eigenvalues their lengths (Heckbert, "Fundamentals of Texture Mapping and Image Warping",
+    /// 1989, section 3.5).
     fn taps(self, image: &ImageData) -> Option<Taps> {
         let size = Vec2::new(image.width as f32, image.height as f32);
         let [a, b] = self.sides.map(|side| side * size);
@@ -45,7 +50,7 @@ impl Footprint {
         let apart = 0.5 * (xx - yy);
         let root = (apart * apart + xy * xy).sqrt();
         let major2 = 0.5 * (xx + yy) + root;
-        // Also where numbers ran over: nothing is known then.
+        // Not after an overflow either: the footprint is unknown then.
         if !(major2 > 1.0 && major2 < f32::INFINITY) {
             return None;
         }
@@ -63,23 +68,24 @@ impl Footprint {
     }
 }
 
-/// Lookups along the longer axis of a footprint, each as wide as the shorter one (as Feline and GPUs do: McCormack et al., "Feline: Fast
-/// Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH 1999, with equal weights: a box, not a Gaussian).
+/// Lookups along the longer axis of a footprint, each as wide as the shorter one (as Feline and GPUs do: McCormack et
+/// al., "Feline: Fast Elliptical Lines for Anisotropic Texture Mapping", SIGGRAPH 1999, with equal weights: a box, not
+/// a Gaussian).
 struct Taps {
     /// The longer axis, in texels.
     major: Vec2,
     count: u32,
-    /// The finer of two levels of the pyramid, and the part of the coarser one.
+    /// The finer of two levels of the mipmap, and the part of the coarser one.
     level: usize,
     above: f32,
 }
 
 /// Which two levels make a lookup of width² `width2` ≥ 1 (texels²), and the part of the coarser one.
 ///
-/// A bilinear lookup in level l, of texels 2ˡ wide that are means themselves, spreads light with a variance of (1/12 + 1/6) 4ˡ − 1/12; a box of
-/// width w seen through the image's own bilinear lookup has w² / 12 + 1/6. Levels mix so that they agree, 4ˡ = 1 + w² / 3, up to the
-/// third of a texel² that lets a width of one texel be the image itself: 4ˡ = (2 + w²) / 3. At whole levels that is √3 sharper than
-/// one texel per width, which GPUs use.
+/// A bilinear lookup in level l, of texels 2ˡ wide that are means themselves, spreads light with a variance of (1/12 +
+/// 1/6) 4ˡ − 1/12; a box of width w seen through the image's own bilinear lookup has w² / 12 + 1/6. Levels mix so that
+/// they agree, 4ˡ = 1 + w² / 3, up to the third of a texel² that lets a width of one texel be the image itself: 4ˡ =
+/// (2 + w²) / 3. At whole levels that is √3 sharper than one texel per width, which GPUs use.
 fn level_of(width2: f32) -> (usize, f32) {
     let scale2 = (2.0 + width2) / 3.0;
     let level = (scale2.to_bits() >> 23).saturating_sub(127) / 2;
@@ -88,13 +94,15 @@ fn level_of(width2: f32) -> (usize, f32) {
 }
 
 impl Texture {
-    /// The mean linear RGBA over `footprint` about `uv`; `pyramid` is called if the image is minified. It is
-    /// [`Texture::sample`], bit for bit, where it is not, and always for [`Filter::Nearest`], whose texels are meant to be seen.
+    /// Returns the mean linear RGBA over `footprint` about `uv`; `mipmap` is called if the image is minified. Where it is
+    /// not, and always for [`Filter::Nearest`], whose texels are meant to be seen, the result is that of
+    /// [`Texture::sample`], bit for bit.
     pub(crate) fn sample_over<'a>(
         &self,
         image: &'a ImageData,
-        pyramid: impl FnOnce() -> &'a Mipmap,
-        (uv, footprint): (Vec2, Footprint),
+        mipmap: impl FnOnce() -> &'a Mipmap,
+        uv: Vec2,
+        footprint: Footprint,
         decode: ColorEncoding,
     ) -> Vec4 {
         let taps = match self.filter {
@@ -103,23 +111,24 @@ impl Texture {
         };
         let Some(taps) = taps else { return self.sample(image, uv, decode) };
         // Most lookups are in the first period then, where none has to be divided by the size.
-        let middle = uv + footprint.aside;
+        let middle = uv + footprint.offset;
         let major = taps.major / Vec2::new(image.width as f32, image.height as f32);
-        let middle = Vec2::new(fold(self.wrap_s, middle.x), fold(self.wrap_t, middle.y));
+        let middle = Vec2::new(wrap_to_period(self.wrap_s, middle.x), wrap_to_period(self.wrap_t, middle.y));
         let along = |image: &ImageData, count: u32| {
             let step = major / count as f32;
-            self.sample_row(image, (middle - step * (0.5 * (count - 1) as f32), step), count, decode)
+            let row = LookupRow { first: middle - step * (0.5 * (count - 1) as f32), step, count };
+            self.sample_row(image, row, decode)
         };
         if taps.level == 0 && taps.above == 0.0 {
             return along(image, taps.count);
         }
-        let pyramid = pyramid();
-        let fine = along(pyramid.level(image, taps.level), taps.count);
+        let mipmap = mipmap();
+        let fine = along(mipmap.level(image, taps.level), taps.count);
         if taps.above == 0.0 {
             return fine;
         }
         // The coarser level is twice as wide, and half as many cover the footprint.
-        fine.lerp(along(pyramid.level(image, taps.level + 1), taps.count.div_ceil(2)), taps.above)
+        fine.lerp(along(mipmap.level(image, taps.level + 1), taps.count.div_ceil(2)), taps.above)
     }
 }
 
@@ -139,8 +148,8 @@ mod tests {
     }
 
     fn over(texture: &Texture, image: &ImageData, uv: Vec2, sides: [Vec2; 2]) -> f32 {
-        let pyramid = Mipmap::new(image);
-        texture.sample_over(image, || &pyramid, (uv, Footprint { sides, aside: Vec2::ZERO }), ColorEncoding::Linear).x
+        let mipmap = Mipmap::new(image);
+        texture.sample_over(image, || &mipmap, uv, Footprint { sides, offset: Vec2::ZERO }, ColorEncoding::Linear).x
     }
 
     /// A checkerboard of single texels is grey from afar, wherever it is looked at and however it is turned.
@@ -155,7 +164,8 @@ mod tests {
         }
     }
 
-    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no pyramid is asked for.
+    /// Up to a footprint of a texel, turned or not, lookups are those without one, bit for bit, and no mipmap is
+    /// needed.
     #[test]
     fn magnified_lookups_are_unchanged() {
         let picture = image(17, 9, |x, y| ((7 * x + 3 * y) % 5) as f32);
@@ -166,16 +176,16 @@ mod tests {
                 let texel = Vec2::new(1.0 / 17.0, 1.0 / 9.0);
                 let angle = Vec2::from_angle(i as f32);
                 let sides = [angle * texel * 0.999, angle.perp() * texel * 0.999];
-                let footprint = (uv, Footprint { sides, aside: Vec2::ONE });
+                let footprint = Footprint { sides, offset: Vec2::ONE };
                 let value =
-                    texture.sample_over(&picture, || unreachable!("no pyramid"), footprint, ColorEncoding::Linear);
+                    texture.sample_over(&picture, || unreachable!("no mipmap"), uv, footprint, ColorEncoding::Linear);
                 assert_eq!(value, texture.sample(&picture, uv, ColorEncoding::Linear));
             }
         }
     }
 
-    /// Stripes of four texels, looked at with a footprint 64 texels long and one wide: along the stripes they stay as they are, across
-    /// they become grey.
+    /// Stripes of four texels, looked at with a footprint 64 texels long and one wide: along the stripes they stay as
+    /// they are, across they become grey.
     #[test]
     fn long_footprints_blur_one_direction_only() {
         let stripes = image(256, 256, |x, _| (x / 4 % 2) as f32);
@@ -189,8 +199,8 @@ mod tests {
         }
     }
 
-    /// Means commute with linear functions: of a ramp, any footprint has the value in its middle. 64 texels a side, sides up to 12
-    /// texels; coarse levels meet the ramp's ends at the seam, which are kept 16 texels away.
+    /// Means commute with linear functions: of a ramp, any footprint has the value in its middle. 64 texels a side,
+    /// sides up to 12 texels; coarse levels meet the ramp's ends at the seam, which are kept 16 texels away.
     #[test]
     fn a_ramp_keeps_its_value() {
         let ramp = image(64, 64, |x, y| 2.0 * x as f32 + y as f32);
@@ -203,7 +213,7 @@ mod tests {
         }
     }
 
-    /// 4ˡ = (2 + w²) / 3 at and between whole levels: the mix of variances is the one that is asked for.
+    /// 4ˡ = (2 + w²) / 3 at and between whole levels: the mix of variances is the wanted one.
     #[test]
     fn levels_mix_to_the_width() {
         assert_eq!(level_of(1.0), (0, 0.0));
@@ -223,7 +233,7 @@ mod tests {
         assert_eq!(over(&nearest, &board, Vec2::splat(0.01), [Vec2::X, Vec2::Y]), 0.0);
     }
 
-    /// What runs over is looked up as a point.
+    /// Footprints that overflow are looked up as points.
     #[test]
     fn absurd_footprints_are_points() {
         let board = image(8, 8, |x, y| ((x + y) % 2) as f32);

@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use crate::Falloff;
-
 /// A light without extent. Colours are linear RGB and already multiplied by the intensity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,7 +15,8 @@ pub enum Light {
         /// Distance (metres) at which KHR_lights_punctual's window reaches zero; `None`: infinite.
         range: Option<f32>,
     },
-    /// A cone with a smooth edge, `(clamp((cosθ − cos outer) / (cos inner − cos outer)))²` as KHR_lights_punctual recommends.
+    /// A cone with a smooth edge, `(clamp((cosθ − cos outer) / (cos inner − cos outer)))²` as KHR_lights_punctual
+    /// recommends.
     Spot {
         /// Metres.
         position: Vec3,
@@ -69,34 +68,5 @@ impl Light {
             | Self::Directional { illuminance_lux: color, .. } => *color *= part,
         }
         light
-    }
-
-    /// The plain twin of the light samples' SIMD: the vector from `p` to the light, or the unit vector towards a directional
-    /// one, and the illuminance (lux per channel) that it brings to a surface at `p` that faces it.
-    pub(crate) fn arriving(&self, falloff: Falloff, p: Vec3) -> (Vec3, Vec3) {
-        let fade = |position: Vec3, range: Option<f32>| {
-            let d = position - p;
-            let r2 = d.length_squared().max(1e-12);
-            let attenuation = match falloff {
-                Falloff::InverseSquare => 1.0 / r2,
-                Falloff::ConstantPlusDistance { constant } => 1.0 / (constant + r2.sqrt()),
-            };
-            let window = range.map_or(1.0, |range| (1.0 - (r2 / (range * range)).powi(2)).max(0.0));
-            (d, attenuation * window)
-        };
-        match *self {
-            Self::Point { position, intensity_cd, range } => {
-                let (d, f) = fade(position, range);
-                (d, intensity_cd * f)
-            }
-            Self::Spot { position, direction, intensity_cd, range, inner_cone_angle, outer_cone_angle } => {
-                let (d, f) = fade(position, range);
-                let (inner, outer) = (libm::cosf(inner_cone_angle), libm::cosf(outer_cone_angle));
-                let cos = -direction.dot(d.normalize_or_zero());
-                let cone = ((cos - outer) / (inner - outer).max(1e-3)).clamp(0.0, 1.0);
-                (d, intensity_cd * (f * cone * cone))
-            }
-            Self::Directional { direction, illuminance_lux } => (-direction, illuminance_lux),
-        }
     }
 }

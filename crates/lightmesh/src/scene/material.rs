@@ -11,7 +11,7 @@ pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
     Opaque,
-    /// Solid where alpha ≥ `cutoff`, absent elsewhere.
+    /// Opaque where alpha ≥ `cutoff`, absent elsewhere.
     Mask {
         /// In [0, 1].
         cutoff: f32,
@@ -29,12 +29,13 @@ pub enum AlphaMode {
 ///   F90 = mix(specular, 1, metallic), F = F0 + (F90 − F0)(1 − cosθ)⁵ (Schlick 1994; KHR_materials_specular, _ior).
 /// - roughness ≤ [`Material::MIRROR_ROUGHNESS`]: the mirror direction carries F, the
 ///   diffuse albedo is baseColor · (1 − metallic)(1 − transmission)(1 − F).
-/// - rougher: no mirror; Lambert of the base colour, metals included. `specular` = 0 is exactly Lambert at any roughness.
-/// - transmission (at any roughness, seen sharp): the refracted direction carries baseColor · (1 − metallic) · transmission ·
-///   (1 − F). A `double_sided` surface is a thin sheet with no inside: its ray goes on unbent.
+/// - rougher: no mirror; Lambert of the base colour, metals included. `specular` = 0 is exactly Lambert at any
+///   roughness.
+/// - transmission (at any roughness, seen sharp): the refracted direction carries baseColor · (1 − metallic) ·
+///   transmission · (1 − F). A `double_sided` surface is a thin sheet with no inside: its ray goes on unbent.
 /// - alpha: BLEND covers the fraction alpha, the ray goes on with the rest; MASK is there or not.
 ///
-/// Shadow rays go straight through what is not solid, and take its colour along: a BLEND surface passes
+/// Shadow rays go straight through surfaces that are not opaque, and take on their colour: a BLEND surface transmits
 /// (1 − α) · mix(1, baseColor, α), a transmissive one what it would refract. Caustics are not followed.
 ///
 /// Both sides of a surface shade and block light alike.
@@ -79,7 +80,8 @@ pub struct Material {
     pub transmission: f32,
     /// Linear; R multiplies `transmission`.
     pub transmission_texture: Option<TextureRef>,
-    /// glTF's doubleSided. Surfaces shade from both sides anyway; it says that back faces are no sign of a solid's inside.
+    /// glTF's doubleSided. Surfaces shade from both sides anyway; it says that a back face does not mean the inside of
+    /// a closed object.
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is shown as it is and no light changes it.
     pub unlit: bool,
@@ -115,7 +117,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Every place for a texture.
+    /// Every texture reference.
     pub fn textures(&self) -> [Option<TextureRef>; 7] {
         [
             self.base_color_texture,
@@ -128,10 +130,11 @@ impl Material {
         ]
     }
 
-    /// Those that are averaged over what a camera sample sees of them: colours, as they multiply light.
+    /// The textures that are averaged over footprints: colours, as they multiply light.
     ///
-    /// None of surfaces that are not opaque. The colour of a texel counts there as much as its alpha, and a mean of products is not
-    /// the product of means: the black that painters leave between the leaves would darken their edges.
+    /// Those of surfaces that are not opaque are not averaged. The colour of a texel counts there as much as its alpha,
+    /// and a mean of products is not the product of means: the black that painters leave between the leaves would
+    /// darken their edges.
     pub(crate) fn averaged_textures(&self) -> [Option<TextureRef>; 3] {
         match self.alpha_mode {
             AlphaMode::Opaque => [self.base_color_texture, self.emission_texture, self.specular_color_texture],
@@ -159,18 +162,19 @@ impl Material {
         ]
     }
 
-    /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is Lambert.
+    /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is
+    /// Lambert.
     pub const MIRROR_ROUGHNESS: f32 = 0.25;
 
-    /// Whether no value of the textures gives it a mirror or lets light through.
+    /// Whether the material has neither a mirror nor transmission, whatever its textures are.
     pub(crate) fn is_lambert(&self) -> bool {
         let never_smooth = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
         let never_shiny = self.specular == 0.0 && self.metallic == 0.0;
         self.transmission == 0.0 && (never_smooth || never_shiny)
     }
 
-    /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness below
-    /// 0.6 (a judgement, not measured: above it a lobe of F0 = 0.04 looks much like Lambert).
+    /// Whether the author meant a visible highlight that is not rendered: a metal, or a dielectric with a roughness
+    /// below 0.6 (a judgement, not measured: above it a lobe of F0 = 0.04 looks much like Lambert).
     pub(crate) fn falls_back_to_lambert(&self) -> bool {
         let rough = self.roughness > Self::MIRROR_ROUGHNESS && self.metallic_roughness_texture.is_none();
         let glossy = self.metallic > 0.5 || (self.specular > 0.0 && self.roughness < 0.6);

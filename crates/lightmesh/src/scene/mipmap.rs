@@ -6,20 +6,22 @@ use rayon::prelude::*;
 use super::data::SceneData;
 use super::texture::{ColorEncoding, Filter, ImageData, Texels, linear_from_byte};
 
-/// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before in
-/// each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level that it
-/// covers, in linear light, stored as the image is: 8-bit levels are sRGB again, within half a step of the byte.
+/// An image's mip levels (Williams, "Pyramidal Parametrics", SIGGRAPH 1983): each has half the texels of the one before
+/// in each direction, rounded down, and ends with a single texel. A texel is the mean of the part of the finer level
+/// that it covers, in linear light, stored as the image is: 8-bit levels are sRGB again, within half a step of the
+/// byte.
 ///
 /// It takes a third of the image's memory, and up to as much as the image where that is a line of texels:
-/// [`ImageData::pyramid_texels`].
+/// [`ImageData::mipmap_texels`].
 #[derive(Debug)]
 pub(crate) struct Mipmap {
     /// From level 1 on; the image itself is level 0.
     levels: Vec<ImageData>,
 }
 
-/// The pyramids of a checked scene's images, in their order; empty ones of those that are never averaged. They are built with the
-/// scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for it.
+/// The mipmaps of a checked scene's images, in their order; empty ones of those that are never averaged. They are built
+/// with the scene, not when a lookup first wants one: neighbouring pixels want the same one, and threads would wait for
+/// it.
 pub(crate) fn build_mipmaps(data: &SceneData) -> Vec<Mipmap> {
     let mut wanted = vec![false; data.images.len()];
     for r in data.materials.iter().flat_map(|material| material.averaged_textures()).flatten() {
@@ -34,7 +36,7 @@ pub(crate) fn build_mipmaps(data: &SceneData) -> Vec<Mipmap> {
 }
 
 impl Mipmap {
-    /// The pyramid of an image of colours.
+    /// The mipmap of an image of colours.
     pub(crate) fn new(image: &ImageData) -> Self {
         let mut levels: Vec<ImageData> = Vec::new();
         let mut finer: Vec<Vec4> = Vec::new();
@@ -52,7 +54,7 @@ impl Mipmap {
         Self { levels }
     }
 
-    /// Level `level` of the pyramid of `image`; the last one where there is none so coarse.
+    /// Level `level` of the mipmap of `image`; the last one where there is none so coarse.
     pub(crate) fn level<'a>(&'a self, image: &'a ImageData, level: usize) -> &'a ImageData {
         match level.min(self.levels.len()) {
             0 => image,
@@ -64,7 +66,7 @@ impl Mipmap {
 impl ImageData {
     /// Texels of all the smaller copies together that a built scene has of an image of colours of this size. 8 × 2:
     /// 4 × 1, 2 × 1 and 1 × 1, 7 texels.
-    pub fn pyramid_texels(width: u32, height: u32) -> u64 {
+    pub fn mipmap_texels(width: u32, height: u32) -> u64 {
         let (mut width, mut height, mut texels) = (width.max(1), height.max(1), 0_u64);
         while width > 1 || height > 1 {
             (width, height) = (half(width), half(height));
@@ -105,9 +107,9 @@ struct Span {
 }
 
 impl Span {
-    /// Texel `i` of the ⌊n / 2⌋ that n texels become. Two each where n is even; where it is odd, n = 2 m + 1, a texel is 2 + 1 / m
-    /// finer ones wide, and these have the parts (m − i) / n, m / n and (i + 1) / n of it (Guthe and Heckbert, "Non-Power-of-Two
-    /// Mipmapping", NVIDIA, 2005).
+    /// Texel `i` of the ⌊n / 2⌋ that n texels become. Two each where n is even; where it is odd, n = 2 m + 1, a texel
+    /// is 2 + 1 / m finer ones wide, and these have the parts (m − i) / n, m / n and (i + 1) / n of it (Guthe and
+    /// Heckbert, "Non-Power-of-Two Mipmapping", NVIDIA, 2005).
     pub(crate) fn new(n: u32, i: u32) -> Self {
         let (weights, count) = match n {
             1 => ([1.0, 0.0, 0.0], 1),
@@ -177,13 +179,13 @@ mod tests {
     fn every_level_keeps_the_mean() {
         for (width, height) in [(64, 16), (37, 21), (1, 13), (255, 2), (1, 1)] {
             let image = float_image(width, height);
-            let pyramid = Mipmap::new(&image);
-            for level in &pyramid.levels {
+            let mipmap = Mipmap::new(&image);
+            for level in &mipmap.levels {
                 assert!((mean(level) - mean(&image)).abs().max_element() < 1e-5, "{width}x{height}");
             }
-            let texels: u64 = pyramid.levels.iter().map(|l| u64::from(l.width) * u64::from(l.height)).sum();
-            assert_eq!(texels, ImageData::pyramid_texels(width, height));
-            assert!(pyramid.levels.last().is_none_or(|l| (l.width, l.height) == (1, 1)));
+            let texels: u64 = mipmap.levels.iter().map(|l| u64::from(l.width) * u64::from(l.height)).sum();
+            assert_eq!(texels, ImageData::mipmap_texels(width, height));
+            assert!(mipmap.levels.last().is_none_or(|l| (l.width, l.height) == (1, 1)));
         }
     }
 
@@ -191,13 +193,13 @@ mod tests {
     #[test]
     fn texels_are_means_of_what_they_cover() {
         let image = float_image(16, 8);
-        let pyramid = Mipmap::new(&image);
+        let mipmap = Mipmap::new(&image);
         let texel = |image: &ImageData, x: u32, y: u32| {
             ColorEncoding::Srgb.texel(&image.texels, (y * image.width + x) as usize)
         };
         for (x, y) in [(0, 0), (3, 1), (2, 0)] {
             let sum: Vec4 = (0..16).map(|i| texel(&image, 4 * x + i % 4, 4 * y + i / 4)).sum();
-            let level = pyramid.level(&image, 2);
+            let level = mipmap.level(&image, 2);
             assert!((texel(level, x, y) - sum / 16.0).abs().max_element() < 1e-6);
         }
     }

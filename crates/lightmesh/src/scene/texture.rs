@@ -28,7 +28,7 @@ pub struct ImageData {
     pub texels: Texels,
 }
 
-/// What happens outside [0, 1].
+/// How an image continues outside [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wrap {
@@ -37,7 +37,7 @@ pub enum Wrap {
     Repeat,
     /// Every other copy is mirrored.
     MirroredRepeat,
-    /// The border texel goes on.
+    /// The border texel continues.
     ClampToEdge,
 }
 
@@ -62,8 +62,8 @@ pub struct Texture {
     pub wrap_s: Wrap,
     /// Vertically.
     pub wrap_t: Wrap,
-    /// How texels are combined. Colours are averaged over what a camera sample covers of them where that is more than a texel, if it
-    /// is [`Filter::Bilinear`].
+    /// How texels are combined. With [`Filter::Bilinear`], colours are averaged over the footprint of a camera sample
+    /// if it is larger than a texel.
     pub filter: Filter,
 }
 
@@ -84,7 +84,8 @@ impl Default for UvTransform {
 }
 
 impl UvTransform {
-    /// From the extension's three properties; `rotation` in radians, counter-clockwise as KHR_texture_transform defines it.
+    /// From the extension's three properties; `rotation` in radians, counter-clockwise as KHR_texture_transform defines
+    /// it.
     pub fn new(offset: Vec2, rotation: f32, scale: Vec2) -> Self {
         let (sin, cos) = (libm::sinf(rotation), libm::cosf(rotation));
         let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
@@ -109,22 +110,26 @@ pub struct TextureRef {
     pub transform: UvTransform,
 }
 
+/// Lookups at equal distances.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LookupRow {
+    /// Texture coordinates of the first.
+    pub first: Vec2,
+    /// From each to the next.
+    pub step: Vec2,
+    /// How many they are, at least 1.
+    pub count: u32,
+}
+
 impl Texture {
     /// The linear RGBA at `uv`; `decode` turns a stored texel into linear RGBA.
     pub(crate) fn sample(&self, image: &ImageData, uv: Vec2, decode: ColorEncoding) -> Vec4 {
-        self.sample_row(image, (uv, Vec2::ZERO), 1, decode)
+        self.sample_row(image, LookupRow { first: uv, step: Vec2::ZERO, count: 1 }, decode)
     }
 
-    /// The mean of `count` lookups, > 0, the first of them at `first`, each a `step` after the one before.
-    pub(super) fn sample_row(
-        &self,
-        image: &ImageData,
-        (first, step): (Vec2, Vec2),
-        count: u32,
-        decode: ColorEncoding,
-    ) -> Vec4 {
+    /// Returns the mean of a row of lookups.
+    pub(super) fn sample_row(&self, image: &ImageData, row: LookupRow, decode: ColorEncoding) -> Vec4 {
         // One loop body for each way to store texels: many lookups make a picture.
-        let row = ((first, step), count);
         match (&image.texels, decode) {
             (Texels::Rgba32F(t), _) => self.mean(image, row, t, |t| Vec4::from_array(*t)),
             (Texels::Rgba8(t), ColorEncoding::Linear) => self.mean(image, row, t, |t| linear_from_bytes(*t)),
@@ -136,13 +141,8 @@ impl Texture {
     }
 
     #[inline(always)]
-    fn mean<T>(
-        &self,
-        image: &ImageData,
-        ((first, step), count): ((Vec2, Vec2), u32),
-        texels: &[T],
-        decode: impl Fn(&T) -> Vec4,
-    ) -> Vec4 {
+    fn mean<T>(&self, image: &ImageData, row: LookupRow, texels: &[T], decode: impl Fn(&T) -> Vec4) -> Vec4 {
+        let LookupRow { first, step, count } = row;
         let scale = 1.0 / count as f32;
         if self.filter == Filter::Bilinear {
             let size = Vec2::new(image.width as f32, image.height as f32);
@@ -180,7 +180,7 @@ impl Texture {
     }
 }
 
-/// The four texels about a place in an image's inside, in texels from the centre of the first one.
+/// The four texels about a position in an image's inside, in texels from the centre of the first one.
 #[inline(always)]
 fn inside<T>(texels: &[T], width: usize, at: Vec2, decode: impl Fn(&T) -> Vec4) -> Vec4 {
     let (i, j) = (at.x as u32, at.y as u32);
@@ -260,8 +260,8 @@ fn floor(x: f32) -> i32 {
     }
 }
 
-/// The coordinate in the first period of the wrap mode, or itself where there is none.
-pub(crate) fn fold(mode: Wrap, u: f32) -> f32 {
+/// Returns the coordinate in the first period of the wrap mode, or itself if the mode has none.
+pub(crate) fn wrap_to_period(mode: Wrap, u: f32) -> f32 {
     match mode {
         Wrap::Repeat => u - u.floor(),
         Wrap::MirroredRepeat => u - 2.0 * (0.5 * u).floor(),

@@ -1,4 +1,4 @@
-//! The one place where a scene description is checked: after it, every index is in range and every number is finite.
+//! Validation of scene descriptions. A checked one has every index in range and every number finite.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -10,7 +10,7 @@ use super::material::Material;
 use super::texture::{ImageData, Texels};
 use crate::Error;
 
-/// Checks all of `data`; mends what can be mended and returns one sentence for each mend.
+/// Checks all of `data`, and repairs what can be repaired. Returns one sentence for each repair.
 pub(crate) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     let mut warnings = Vec::new();
     check_images(data)?;
@@ -24,7 +24,7 @@ pub(crate) fn check(data: &mut SceneData) -> Result<Vec<String>, Error> {
     }
     data.environment.as_ref().map_or(Ok(()), check_environment)?;
     check_cameras(data)?;
-    mend_normals(data, &mut warnings);
+    repair_normals(data, &mut warnings);
     Ok(warnings)
 }
 
@@ -44,68 +44,73 @@ fn check_images(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_texel_count(image: &ImageData, place: impl Fn() -> String) -> Result<(), Error> {
+fn check_texel_count(image: &ImageData, object: impl Fn() -> String) -> Result<(), Error> {
     let texels = match &image.texels {
         Texels::Rgba8(t) => t.len(),
         Texels::Rgba32F(t) => t.len(),
     };
     if texels == 0 || texels as u64 != u64::from(image.width) * u64::from(image.height) {
         let what = format!("{} × {} texels announced, {texels} given", image.width, image.height);
-        return invalid(place(), what);
+        return invalid(object(), what);
     }
     Ok(())
 }
 
 fn check_material(index: usize, m: &Material, textures: usize) -> Result<(), Error> {
-    let place = || format!("material {index} \"{}\"", m.name);
+    let object = || format!("material {index} \"{}\"", m.name);
     for texture in m.textures().into_iter().flatten() {
         if texture.texture >= textures || texture.uv_set > 1 {
             let what = format!("texture {} or its uv set {} does not exist", texture.texture, texture.uv_set);
-            return invalid(place(), what);
+            return invalid(object(), what);
         }
     }
+    // Check the factors' ranges.
     let factors = [m.alpha, m.metallic, m.roughness, m.specular, m.transmission];
     if !factors.iter().chain(&m.base_color.to_array()).all(|x| (0.0..=1.0).contains(x)) {
-        return invalid(place(), "a factor is outside [0, 1]");
+        return invalid(object(), "a factor is outside [0, 1]");
     }
     let positive = |v: Vec3| v.is_finite() && v.min_element() >= 0.0;
     if !positive(m.emission) || !positive(m.specular_color) || !m.normal_scale.is_finite() {
-        return invalid(place(), "emission, specular colour or normal scale is negative or not finite");
+        return invalid(object(), "emission, specular colour or normal scale is negative or not finite");
     }
     if !(m.ior >= 1.0 && m.ior.is_finite()) {
-        return invalid(place(), format!("index of refraction {} is below 1", m.ior));
+        return invalid(object(), format!("index of refraction {} is below 1", m.ior));
     }
     Ok(())
 }
 
 fn check_meshes(data: &SceneData) -> Result<(), Error> {
     for (index, mesh) in data.meshes.iter().enumerate() {
-        let place = || format!("mesh {index} \"{}\"", mesh.name);
+        let object = || format!("mesh {index} \"{}\"", mesh.name);
+        // Indices into the mesh and the scene.
         let n = mesh.positions.len();
         if mesh.material >= data.materials.len() {
-            return invalid(place(), format!("material {} does not exist", mesh.material));
+            return invalid(object(), format!("material {} does not exist", mesh.material));
         }
         if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
-            return invalid(place(), format!("position {i} is not finite"));
+            return invalid(object(), format!("position {i} is not finite"));
         }
         if let Some(&i) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= n) {
-            return invalid(place(), format!("index {i} is out of range: the mesh has {n} positions"));
+            return invalid(object(), format!("index {i} is out of range: the mesh has {n} positions"));
         }
+        // Attributes: as many as positions, and finite.
         let lengths =
             [mesh.normals.len(), mesh.tangents.len(), mesh.uvs[0].len(), mesh.uvs[1].len(), mesh.colors.len()];
         if lengths.iter().any(|&len| len != 0 && len != n) {
-            return invalid(place(), format!("an attribute's length is neither 0 nor the {n} of the positions"));
+            return invalid(object(), format!("an attribute's length is neither 0 nor the {n} of the positions"));
         }
         let finite = mesh.uvs.iter().flatten().all(|v: &Vec2| v.is_finite())
             && mesh.colors.iter().chain(&mesh.tangents).all(|v: &Vec4| v.is_finite());
         if !finite {
-            return invalid(place(), "a texture coordinate, colour or tangent is not finite");
+            return invalid(object(), "a texture coordinate, colour or tangent is not finite");
         }
     }
     Ok(())
 }
 
+/// Checks everything that is placed in the world: instances, spheres and shapes.
 fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<(), Error> {
+    // Check the instances' transforms.
     for (index, instance) in data.instances.iter().enumerate() {
         if instance.mesh >= data.meshes.len() {
             return invalid(format!("instance {index}"), format!("mesh {} does not exist", instance.mesh));
@@ -116,13 +121,14 @@ fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<
             return invalid(format!("instance {index}"), "its transform is not finite, or sends the mesh beyond f32");
         }
     }
-    // A node scaled to nothing has no surface.
+    // Leave out instances that are scaled to nothing: they have no surface.
     let before = data.instances.len();
     let flat = |i: &super::data::Instance| i.world_from_object.matrix3.determinant() == 0.0;
     data.instances.retain(|i| !flat(i));
     if data.instances.len() < before {
         warnings.push(format!("{} instance(s) are scaled to nothing and left out", before - data.instances.len()));
     }
+    // Check spheres and user-defined shapes.
     let materials = data.materials.len();
     for (index, sphere) in data.spheres.iter().enumerate() {
         if !(sphere.radius > 0.0 && sphere.radius.is_finite() && sphere.center.is_finite()) {
@@ -145,11 +151,12 @@ fn check_placements(data: &mut SceneData, warnings: &mut Vec<String>) -> Result<
 }
 
 fn check_light(index: usize, light: &Light) -> Result<(), Error> {
-    let place = || format!("light {index}");
+    let object = || format!("light {index}");
     let color = light.color();
     if !(color.is_finite() && color.min_element() >= 0.0) {
-        return invalid(place(), format!("intensity {color} is negative or not finite"));
+        return invalid(object(), format!("intensity {color} is negative or not finite"));
     }
+    // Check position, direction, range and cone.
     let (position, direction, range) = match *light {
         Light::Point { position, range, .. } => (position, Vec3::X, range),
         Light::Spot { position, direction, range, .. } => (position, direction, range),
@@ -157,10 +164,10 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
     };
     let unit = (direction.length() - 1.0).abs() < 1e-3;
     if !position.is_finite() || !unit {
-        return invalid(place(), "its position is not finite or its direction is not of unit length");
+        return invalid(object(), "its position is not finite or its direction is not of unit length");
     }
     if range.is_some_and(|r| r.is_nan() || r <= 0.0) {
-        return invalid(place(), "its range must be above 0");
+        return invalid(object(), "its range must be above 0");
     }
     if let Light::Spot { inner_cone_angle, outer_cone_angle, .. } = *light
         && !(inner_cone_angle >= 0.0
@@ -169,7 +176,7 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
     {
         let what =
             format!("cone angles {inner_cone_angle} and {outer_cone_angle} must satisfy 0 ≤ inner < outer ≤ π/2");
-        return invalid(place(), what);
+        return invalid(object(), what);
     }
     Ok(())
 }
@@ -177,20 +184,21 @@ fn check_light(index: usize, light: &Light) -> Result<(), Error> {
 fn check_environment(environment: &Environment) -> Result<(), Error> {
     // Sums over the largest map, 2²⁸ texels, and squares stay in the range of f32; the sun has 1.6·10⁹ cd/m².
     const BRIGHTEST: f32 = 1e18;
-    let place = || "environment".to_owned();
+    let object = || "environment".to_owned();
     let Environment { map, radiance, world_from_map } = environment;
     if !(radiance.min_element() >= 0.0 && radiance.max_element() <= BRIGHTEST) {
         return invalid(
-            place(),
+            object(),
             format!("its radiance {radiance} is negative, not finite or above {BRIGHTEST:e} cd/m²"),
         );
     }
+    // Check the rotation, then the map's texels.
     let is_rotation = (world_from_map.length_squared() - 1.0).abs() < 1e-3;
     if !is_rotation {
-        return invalid(place(), "its rotation is not a quaternion of unit length");
+        return invalid(object(), "its rotation is not a quaternion of unit length");
     }
     let Some(map) = map else { return Ok(()) };
-    check_texel_count(map, place)?;
+    check_texel_count(map, object)?;
     if let Texels::Rgba32F(texels) = &map.texels {
         let fits = |&c: &f32| (0.0..=BRIGHTEST).contains(&c) && c * radiance.max_element() <= BRIGHTEST;
         if let Some(i) = texels.iter().position(|texel| !texel[..3].iter().all(fits)) {
@@ -199,7 +207,7 @@ fn check_environment(environment: &Environment) -> Result<(), Error> {
                 "texel ({column}, {row}) of its map, {:?}, is negative, not finite or above {BRIGHTEST:e} cd/m²",
                 &texel[..3]
             );
-            return invalid(place(), what);
+            return invalid(object(), what);
         }
     }
     Ok(())
@@ -223,8 +231,8 @@ fn check_cameras(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
-/// A normal that is zero or not finite makes its mesh fall back to geometric normals.
-fn mend_normals(data: &mut SceneData, warnings: &mut Vec<String>) {
+/// Replaces the normals of a mesh by geometric ones if any of them is zero or not finite.
+fn repair_normals(data: &mut SceneData, warnings: &mut Vec<String>) {
     for (index, mesh) in data.meshes.iter_mut().enumerate() {
         if mesh.normals.iter().any(|n| n.try_normalize().is_none()) {
             mesh.normals = Vec::new();
@@ -265,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_value() {
         let mut data = triangle();
         data.meshes[0].triangles[0][1] = 77;
         assert!(message(data).contains("index 77"));
@@ -315,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_be_mended_is_mended_with_a_warning() {
+    fn repairs_come_with_a_warning() {
         let mut data = triangle();
         data.meshes[0].normals = vec![Vec3::Z, Vec3::ZERO, Vec3::Z];
         data.instances.push(Instance { mesh: 0, world_from_object: Affine3A::from_mat3(Mat3::ZERO) });

@@ -1,4 +1,4 @@
-//! The scene that is ready for rays: checked once, with its acceleration structure, placed frames and light samples.
+//! The scene that is ready for rays: checked once, with its acceleration structure, instance frames and light samples.
 
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
@@ -15,22 +15,22 @@ use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build
 pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
-    frames: Vec<InstanceFrame>,
+    instance_frames: Vec<InstanceFrame>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
-    pyramids: Vec<Mipmap>,
-    solid: Vec<bool>,
-    all_solid: bool,
+    mipmaps: Vec<Mipmap>,
+    opaque: Vec<bool>,
+    all_opaque: bool,
     all_double_sided: bool,
     warnings: Vec<String>,
     level: Level,
 }
 
-/// How an instance turns object space into world space.
+/// The parts of an instance's transform that shading needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InstanceFrame {
-    /// Turns normals: the inverse transpose of the linear part, its sign that of the determinant, so that the front of a
-    /// mirrored instance stays its front.
+    /// Turns normals: the inverse transpose of the linear part, its sign that of the determinant, so that the front of
+    /// a mirrored instance stays its front.
     pub normal_from_object: Mat3,
     /// −1 for a mirroring transform, else 1.
     pub handedness: f32,
@@ -47,17 +47,19 @@ impl Scene {
         Self::with_emitters(data, &EmitterOptions::default())
     }
 
-    /// [`Scene::new`] with a say in how emitters become light samples.
+    /// Builds a scene with options for the sampling of its emitters.
     ///
     /// # Errors
     /// As [`Scene::new`], and [`Error::InvalidOption`] for options out of range.
     pub fn with_emitters(mut data: SceneData, emitters: &EmitterOptions) -> Result<Self, Error> {
         let mut warnings = validate::check(&mut data)?;
         warnings.extend(glossy_warning(&data.materials));
+        // Build the acceleration structure.
         let bvh = SceneBvh::build(&data);
         if bvh.bounds().is_empty() {
             return Err(Error::EmptyScene);
         }
+        // Invert the instances' transforms.
         let frames = data
             .instances
             .iter()
@@ -71,29 +73,30 @@ impl Scene {
                 }
             })
             .collect();
-        let solid: Vec<bool> = data.materials.iter().map(blocks_light_fully).collect();
+        let opaque: Vec<bool> = data.materials.iter().map(is_opaque).collect();
+        // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
-        let pyramids = build_mipmaps(&data);
+        let mipmaps = build_mipmaps(&data);
         let level = Level::new();
-        let all_solid = solid.iter().all(|&s| s);
+        let all_opaque = opaque.iter().all(|&s| s);
         let all_double_sided = data.materials.iter().all(|material| material.double_sided);
         Ok(Self {
             emitters,
             emitter_options,
-            pyramids,
-            all_solid,
+            mipmaps,
+            all_opaque,
             all_double_sided,
             data,
             bvh,
-            frames,
-            solid,
+            instance_frames: frames,
+            opaque,
             warnings,
             level,
         })
     }
 
-    /// The description it was built from, mended where [`Scene::warnings`] says so.
+    /// The description that it was built from, repaired where [`Scene::warnings`] says so.
     pub fn data(&self) -> &SceneData {
         &self.data
     }
@@ -103,7 +106,7 @@ impl Scene {
         self.bvh.bounds()
     }
 
-    /// What was mended or cannot be shown as the author meant, one sentence each.
+    /// What was repaired, or cannot be shown as the author meant, one sentence each.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -113,7 +116,7 @@ impl Scene {
         &self.bvh
     }
 
-    /// Triangles that are in view of rays: those of a mesh count once per instance.
+    /// How many triangles rays can hit: those of a mesh count once for each instance.
     pub fn triangle_count(&self) -> u64 {
         self.data.instances.iter().map(|i| self.data.meshes[i.mesh].triangles.len() as u64).sum()
     }
@@ -123,86 +126,89 @@ impl Scene {
         self.emitters.all().len() as u64
     }
 
-    /// Everything that shines and has a size.
+    /// The emitters and their samples.
     pub(crate) fn emitters(&self) -> &Emitters {
         &self.emitters
     }
 
-    /// How they became light samples.
+    /// The options by which emitters were sampled.
     pub(crate) fn emitter_options(&self) -> &EmitterOptions {
         &self.emitter_options
     }
 
-    /// The samples of all emitters but those that gather rays find.
+    /// The samples of all emitters but those that are left to gather rays.
     pub(crate) fn lights(&self) -> &LightSamples {
         &self.emitters.sampled
     }
 
-    /// What a ray sees that leaves the scene along a unit direction, cd/m².
+    /// Returns the radiance of a ray that leaves the scene along a unit direction, cd/m².
     pub(crate) fn environment(&self, direction: Vec3) -> Vec3 {
         self.emitters.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(direction))
     }
 
-    pub(crate) fn frame(&self, instance: u32) -> &InstanceFrame {
-        &self.frames[instance as usize]
+    /// The transform of an instance for shading.
+    pub(crate) fn instance_frame(&self, instance: u32) -> &InstanceFrame {
+        &self.instance_frames[instance as usize]
     }
 
-    /// Whether any texture is averaged over what a sample sees of it.
+    /// Whether any texture is averaged over footprints.
     pub(crate) fn averages_textures(&self) -> bool {
         self.data.materials.iter().any(|material| material.has_averaged_textures())
     }
 
-    /// The smaller copies of an image of colours.
-    pub(crate) fn pyramid(&self, image: usize) -> &Mipmap {
-        &self.pyramids[image]
+    /// The mipmap of an image of colours.
+    pub(crate) fn mipmap(&self, image: usize) -> &Mipmap {
+        &self.mipmaps[image]
     }
 
-    /// Whether a material stops every shadow ray.
-    pub(crate) fn is_solid(&self, material: usize) -> bool {
-        self.solid[material]
+    /// Whether a material is opaque to shadow rays.
+    pub(crate) fn is_opaque(&self, material: usize) -> bool {
+        self.opaque[material]
     }
 
-    /// Whether all do, so that any hit is a shadow.
+    /// Whether all materials are opaque, so that any hit is a shadow.
     pub(crate) fn all_opaque(&self) -> bool {
-        self.all_solid
+        self.all_opaque
     }
 
-    /// Whether no material has a back: nothing has an inside.
+    /// Whether all materials are double-sided, so that no surface bounds a volume.
     pub(crate) fn all_double_sided(&self) -> bool {
         self.all_double_sided
     }
 
-    /// Whether anything shines that is much brighter than what it lights: lamps with a size, or a sky.
-    pub(crate) fn has_lamps(&self) -> bool {
+    /// Whether rays can hit emitters, which are much brighter than what they light: area lights, or an environment.
+    pub(crate) fn has_visible_emitters(&self) -> bool {
         !self.emitters.area.is_dark() || self.emitters.environment.is_some()
     }
 
-    /// Whether a surface's emission is found by gather rays alone.
-    pub(crate) fn is_gathered(&self, target: Target) -> bool {
+    /// Whether a surface's emission is not sampled, but left to gather rays.
+    pub(crate) fn is_unsampled(&self, target: Target) -> bool {
         !self.emitters.area.is_sampled(target)
     }
 
-    /// Whether there is any such surface.
-    pub(crate) fn has_gathered_emitters(&self) -> bool {
+    /// Whether there are emitters that are not sampled: weak ones, and user-defined shapes.
+    pub(crate) fn has_unsampled_emitters(&self) -> bool {
         let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
-        self.emitters.area.has_gathered() || self.data.shapes.iter().any(|entry| emits(entry.material))
+        self.emitters.area.has_weak() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }
 
+    /// The SIMD level of this machine.
     pub(crate) fn simd_level(&self) -> Level {
         self.level
     }
 }
 
-/// The matrix of cofactors, det(m) · m⁻ᵀ: turns cross products, and so normals, even where `m` has no inverse.
+/// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no
+/// inverse.
 fn cofactor(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-fn blocks_light_fully(material: &Material) -> bool {
+fn is_opaque(material: &Material) -> bool {
     material.transmission == 0.0 && (material.alpha_mode == AlphaMode::Opaque)
 }
 
-/// Says which materials are glossier than what is rendered.
+/// Returns a warning that names the materials which are glossier than they are rendered.
 fn glossy_warning(materials: &[Material]) -> Option<String> {
     let names: Vec<&str> = materials.iter().filter(|m| m.falls_back_to_lambert()).map(|m| m.name.as_str()).collect();
     let first = names.first()?;

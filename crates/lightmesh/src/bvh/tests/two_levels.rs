@@ -41,7 +41,8 @@ fn placed(mesh: usize, world_from_object: Affine3A) -> Instance {
     Instance { mesh, world_from_object }
 }
 
-/// 30 instances of one mesh, with rotation, mirroring and uneven scale, hit where the same triangles in world space are.
+/// 30 instances of one mesh, with rotation, mirroring and uneven scale, hit where the same triangles in world space
+/// are.
 #[test]
 fn instances_agree_with_the_flattened_scene() {
     let mut random = Random(2);

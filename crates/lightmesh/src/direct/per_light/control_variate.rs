@@ -1,125 +1,130 @@
 //! The mesh as control variate of light sampling.
 //!
-//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`RESIDUAL_DEVIATION`]): the standard deviation of a visibility that is 1 with
-//! probability V̂_j, and some for lights
-//! that all points agree about. Clarberg and Akenine-Möller, "Exploiting Visibility Correlation in Direct Illumination" (EGSR 2008),
-//! estimate visibility from that known at points nearby, as a control variate too. Here these are points of the mesh in space, which
-//! know lights one by one and serve every camera, and V̂ steers sampling by *doubt*: a light that is surely seen needs no ray.
+//! Lights j are chosen with p_j ∝ c_j (√(V̂_j (1 − V̂_j)) + [`RESIDUAL_DEVIATION`]): the standard deviation of a
+//! visibility that is 1 with probability V̂_j, and some for certain lights. Clarberg and Akenine-Möller, "Exploiting
+//! Visibility Correlation in Direct Illumination" (EGSR 2008), estimate visibility from that known at points nearby, as
+//! a control variate too. Here these are points of the mesh in space, which keep lights one by one and serve every
+//! camera, and V̂ steers sampling by its *uncertainty*: a light that is surely visible needs no ray.
 
 use fearless_simd::Simd;
 use glam::Vec3;
 
 use super::super::region_visibility::LightCutVisibility;
-use super::{PerLightShader, Shaded};
+use super::{ClusterSampling, PerLightShader, Shaded, ShadowRequest};
 use crate::light::{BlockTerms, LANES};
 use crate::sampling::set_bits;
 
-/// The doubt that is left where all points agree, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80, error in
-/// the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
+/// The uncertainty of certain lights, in units of the standard deviation of a visibility. Measured with 4 rays at 1/80,
+/// error in the room of 100 lights and in Sponza: 0.05 2.9 / 7.3%, 0.08 2.9 / 6.7%, 0.12 3.0 / 6.5%.
 const RESIDUAL_DEVIATION: f32 = 0.08;
 
-/// The standard deviation that the visibility of a doubtful light is taken to have at least. Without it 3.2 / 6.7%.
+/// The least standard deviation of the visibility of lights towards an occluder. Without it 3.2 / 6.7%.
 const OCCLUDER_DEVIATION: f32 = 0.3;
 
-/// A light that is not agreed about, and what is expected of it.
+/// A light that is chosen by itself, as it is partial or towards an occluder, and its V̂.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Single {
+pub(super) struct SingleLight {
     block: u32,
     i: u32,
     v: f32,
 }
 
 impl PerLightShader {
-    /// An unbiased estimate of the direct irradiance, lux per channel, with `count` rays: what is known before they are shot.
+    /// Returns the part of an unbiased estimate of the direct irradiance, lux per channel, that is there before its
+    /// `count` rays are traced; they are queued.
     #[inline(always)]
-    pub(in super::super) fn unbiased<S: Simd>(&mut self, simd: S, lit: &Shaded<'_>, count: u32) -> Vec3 {
-        let LightCutVisibility { lights, clusters, estimate: agreement } = lit.lights;
+    pub(in super::super) fn sample_unbiased<S: Simd>(&mut self, simd: S, shaded: &Shaded<'_>, count: u32) -> Vec3 {
+        // Sum what is certain.
+        let LightCutVisibility { lights, clusters, estimate } = shaded.lights;
         let mut terms = std::mem::take(&mut self.terms);
-        let (mut sum, _) = terms.evaluate(simd, lights, &lit.receiver(), &agreement.certain);
+        let (mut sum, _) = terms.evaluate(simd, lights, &shaded.receiver(), &estimate.certain);
         if let Some(clusters) = clusters {
-            terms.raise_to_least(lit.vertex.n, clusters.least, clusters.radii);
+            terms.raise_to_least(shaded.vertex.n, clusters.least, clusters.radii);
         }
         let blocks = terms.blocks();
 
-        // Disputed lights: their mean, and how much there is to gain from a ray.
+        // Add the partial lights, and list the choices: each block's certain lights together, the others one by one.
         self.contributions.clear();
         self.contributions.extend(blocks.iter().map(|block| RESIDUAL_DEVIATION * block.contribution));
         self.singles.clear();
-        let mut dispute = 0;
-        for (at, (block, &disputed)) in blocks.iter().zip(agreement.partial()).enumerate() {
-            let singles = disputed | block.towards_occluder;
+        let mut number = 0;
+        for (block_index, (block, &partial)) in blocks.iter().zip(estimate.partial()).enumerate() {
+            let singles = partial | block.towards_occluder;
             if singles == 0 {
                 continue;
             }
-            let mut agreed = 0.0;
-            for (i, mass) in block.contributions.iter().enumerate() {
-                agreed += if singles >> i & 1 == 0 { *mass } else { 0.0 };
+            let mut certain = 0.0;
+            for (i, contribution) in block.contributions.iter().enumerate() {
+                certain += if singles >> i & 1 == 0 { *contribution } else { 0.0 };
             }
-            self.contributions[at] = RESIDUAL_DEVIATION * agreed;
+            self.contributions[block_index] = RESIDUAL_DEVIATION * certain;
             for i in set_bits::<LANES>(singles) {
-                let is_disputed = disputed >> i & 1 != 0;
-                let number = dispute;
-                dispute += usize::from(is_disputed);
-                let mass = block.contributions[i];
-                if mass <= 0.0 {
+                let is_partial = partial >> i & 1 != 0;
+                let partial_number = number;
+                number += usize::from(is_partial);
+                let contribution = block.contributions[i];
+                if contribution <= 0.0 {
                     continue;
                 }
-                let (v, least) = if is_disputed {
-                    let v = agreement.estimate(number);
-                    sum += lights.intensity(at * LANES + i) * (block.factors[i] * v);
+                let (v, least) = if is_partial {
+                    let v = estimate.estimate(partial_number);
+                    sum += lights.intensity(block_index * LANES + i) * (block.factors[i] * v);
                     (v, 0.0)
                 } else {
-                    (agreement.certain[at * LANES + i], OCCLUDER_DEVIATION)
+                    (estimate.certain[block_index * LANES + i], OCCLUDER_DEVIATION)
                 };
-                self.singles.push(Single { block: at as u32, i: i as u32, v });
-                self.contributions.push(mass * ((v * (1.0 - v)).sqrt().max(least) + RESIDUAL_DEVIATION));
+                self.singles.push(SingleLight { block: block_index as u32, i: i as u32, v });
+                self.contributions.push(contribution * ((v * (1.0 - v)).sqrt().max(least) + RESIDUAL_DEVIATION));
             }
         }
         let total: f32 = self.contributions.iter().sum();
 
-        // Choose lights, stratified over the list.
+        // Choose lights, stratified over the list, and queue their rays.
         let (mut entry, mut below) = (0, 0.0);
         for k in 0..if total > 0.0 { count } else { 0 } {
-            let at = (k as f32 + lit.random(2 * k)) / count as f32 * total;
-            while entry + 1 < self.contributions.len() && below + self.contributions[entry] <= at {
+            let target = (k as f32 + shaded.random(2 * k)) / count as f32 * total;
+            while entry + 1 < self.contributions.len() && below + self.contributions[entry] <= target {
                 below += self.contributions[entry];
                 entry += 1;
             }
-            let mass = self.contributions[entry];
-            if mass <= 0.0 {
+            let contribution = self.contributions[entry];
+            if contribution <= 0.0 {
                 continue;
             }
-            let mut p = mass / total * count as f32;
-            let (at, i, v) = if let Some(single) = entry.checked_sub(blocks.len()) {
-                let Single { block, i, v } = self.singles[single];
+            let mut p = contribution / total * count as f32;
+            let (block_index, i, v) = if let Some(single) = entry.checked_sub(blocks.len()) {
+                let SingleLight { block, i, v } = self.singles[single];
                 (block as usize, i as usize, v)
             } else {
-                let singles = agreement.partial()[entry] | blocks[entry].towards_occluder;
-                let Some((i, share)) = choose(&blocks[entry], singles, lit.random(2 * k + 1)) else { continue };
+                let singles = estimate.partial()[entry] | blocks[entry].towards_occluder;
+                let Some((i, share)) = choose(&blocks[entry], singles, shaded.random(2 * k + 1)) else { continue };
                 p *= share;
-                (entry, i, agreement.certain[entry * LANES + i])
+                (entry, i, estimate.certain[entry * LANES + i])
             };
-            let weight = lights.intensity(at * LANES + i) * (blocks[at].factors[i] / p);
-            sum -= self.queue_shadow_ray(lit, &blocks[at], (at * LANES, i), (weight, 1.0 / p), (v, k, None));
+            let (block, first_lane) = (&blocks[block_index], block_index * LANES);
+            let weight = lights.intensity(first_lane + i) * (block.factors[i] / p);
+            let in_cluster = ClusterSampling::One { k };
+            let request = ShadowRequest { block, first_lane, i, weight, scale: 1.0 / p, expected: v, in_cluster };
+            sum -= self.queue_shadow_ray(shaded, request);
         }
         self.terms = terms;
         sum
     }
 }
 
-/// One of the block's lights but for `singles`, in proportion to c_i by `u` in [0, 1), and its probability.
-pub(crate) fn choose(block: &BlockTerms, singles: u32, u: f32) -> Option<(usize, f32)> {
-    let of = |i: usize| if singles >> i & 1 == 0 { block.contributions[i] } else { 0.0 };
-    let masses: [f32; LANES] = std::array::from_fn(of);
-    let total: f32 = masses.iter().sum();
+/// Returns one of the block's lights but for `singles`, in proportion to c_i by `u` in [0, 1), and its probability.
+fn choose(block: &BlockTerms, singles: u32, u: f32) -> Option<(usize, f32)> {
+    let contribution = |i: usize| if singles >> i & 1 == 0 { block.contributions[i] } else { 0.0 };
+    let contributions: [f32; LANES] = std::array::from_fn(contribution);
+    let total: f32 = contributions.iter().sum();
     let mut rest = u * total;
     let mut chosen = None;
-    for (i, &mass) in masses.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
+    for (i, &contribution) in contributions.iter().enumerate().filter(|(_, contribution)| **contribution > 0.0) {
         chosen = Some(i);
-        rest -= mass;
+        rest -= contribution;
         if rest < 0.0 {
             break;
         }
     }
-    chosen.map(|i| (i, masses[i] / total))
+    chosen.map(|i| (i, contributions[i] / total))
 }

@@ -98,13 +98,13 @@ fn surfaces(count: u32) -> Vec<(Vec3, Vec3)> {
             }
             let side = i as usize / 2 % 6;
             let (axis, far) = (side / 2, side % 2);
-            let mut place = SIZE;
-            place[(axis + 1) % 3] *= u;
-            place[(axis + 2) % 3] *= v;
-            place[axis] *= far as f32;
+            let mut position = SIZE;
+            position[(axis + 1) % 3] *= u;
+            position[(axis + 2) % 3] *= v;
+            position[axis] *= far as f32;
             let mut n = Vec3::ZERO;
             n[axis] = 1.0 - 2.0 * far as f32;
-            (place, n)
+            (position, n)
         })
         .collect()
 }
@@ -121,7 +121,7 @@ fn one_by_one(scene: &Scene, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
 
 /// Few lights, or no error allowed: the sum over all, bit for bit.
 #[test]
-fn what_needs_no_tree_is_as_it_was() {
+fn without_a_tree_the_sum_is_over_all_lights() {
     let points = surfaces(1500);
     for (count, error) in [(FEW as u32, 0.5), (3000, 0.0)] {
         let scene = scene(point_lights(count), 1);
@@ -132,18 +132,18 @@ fn what_needs_no_tree_is_as_it_was() {
 
 /// Kept or made anew, together or one by one, after another falloff: a cut depends on its region alone.
 #[test]
-fn sums_do_not_depend_on_what_was_asked_before() {
+fn sums_do_not_depend_on_earlier_calls() {
     let scene = scene(point_lights(3000), 1);
     let points = surfaces(800);
     let mut lights = regions(&scene, 0.02);
     lights.irradiance(&scene, Falloff::ConstantPlusDistance { constant: 1.0 }, &points);
     let together = lights.irradiance(&scene, Falloff::default(), &points);
     assert!(lights.bytes() > 0);
-    let mut forgetful = RegionCuts { most_bytes: 0, ..regions(&scene, 0.02) };
-    assert_eq!(forgetful.irradiance(&scene, Falloff::default(), &points), together);
-    assert_eq!(forgetful.bytes(), 0);
+    let mut without_memory = RegionCuts { most_bytes: 0, ..regions(&scene, 0.02) };
+    assert_eq!(without_memory.irradiance(&scene, Falloff::default(), &points), together);
+    assert_eq!(without_memory.bytes(), 0);
     let one_by_one: Vec<_> =
-        points.iter().flat_map(|&p| forgetful.read_irradiance(&scene, Falloff::default(), &[p])).collect();
+        points.iter().flat_map(|&p| without_memory.read_irradiance(&scene, Falloff::default(), &[p])).collect();
     assert_eq!(one_by_one, together);
 }
 
@@ -155,10 +155,10 @@ fn a_tree_too_large_is_refused_before_it_is_built() {
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
 }
 
-/// Errors of the sums at 6000 surface points against the sums over all lights, R + G + B, as parts of the mean irradiance over these
-/// points. The table of docs/many-lights.md.
+/// Errors of the sums at 6000 surface points against the sums over all lights, R + G + B, as parts of the mean
+/// irradiance over these points. The table of docs/many-lights.md.
 #[test]
-#[allow(clippy::print_stderr, reason = "its table is wanted")]
+#[allow(clippy::print_stderr, reason = "it prints a table")]
 fn table_of_errors() {
     let kinds = [
         ("100,000 points", scene(point_lights(100_000), 1)),

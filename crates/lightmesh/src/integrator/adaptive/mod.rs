@@ -1,6 +1,55 @@
-//! Deciding before a picture is drawn: where the mesh is refined, and how many shadow rays keep an error bound.
+//! Decisions before a picture is drawn: where the meshes are refined, and how many shadow rays keep the error within
+//! its bound.
 
-pub(super) mod distance_levels;
-pub(super) mod error_bound;
-pub(super) mod pilot;
-pub(super) mod refine;
+mod distance_levels;
+mod error_bound;
+mod pilot;
+mod refine;
+
+use self::pilot::Pilot;
+use super::lighting::Lighting;
+use super::wave::WaveFrame;
+use crate::direct::LightingPlan;
+use crate::film::{Film, RenderClock};
+use crate::{Error, RenderStats};
+
+/// The part of the memory limit at which refinement ends.
+const MEMORY_SHARE: f64 = 0.5;
+
+/// Points that a cell has to fill when it is refined, at most: 3³ of its own and those of the cells around it that
+/// blend.
+const POINTS_PER_CELL: u64 = 64;
+
+/// Adapts the frame to the picture on the film, as far as the options want it: refines its meshes and chooses how
+/// surfaces are lit. Returns the plan to draw the picture with; its error, if it is bounded, is in `stats`.
+///
+/// # Errors
+/// As [`WaveFrame::draw`].
+pub(crate) fn adapt(
+    frame: &mut WaveFrame<'_>,
+    film: &Film,
+    clock: &mut RenderClock<'_>,
+    stats: &mut RenderStats,
+) -> Result<LightingPlan, Error> {
+    let plan = LightingPlan::of(frame.options);
+    // Take back what was refined for another picture.
+    if let Lighting::Mesh { mesh, .. } = &mut frame.lighting {
+        mesh.reset_refinement();
+    }
+
+    // Refine the meshes near the eye, then where they are most wrong.
+    distance_levels::refine_by_distance(frame, film, stats);
+    let mut pilot = Pilot { frame, film, clock, stats };
+    refine::refine(&mut pilot, plan)?;
+
+    // Choose the cheapest plan that keeps the bound.
+    let Some(bound) = pilot.frame.options.method.error() else { return Ok(plan) };
+    let (plan, error) = error_bound::choose_plan(&mut pilot, plan, f64::from(bound))?;
+    pilot.stats.estimated_error = Some(error);
+    Ok(plan)
+}
+
+/// The cells that may be refined in a mesh with points of this size: as many as fit into a part of the memory limit.
+fn cells_that_fit(budget: u64, bytes_per_point: u64) -> u64 {
+    budget / (POINTS_PER_CELL * bytes_per_point)
+}

@@ -1,5 +1,5 @@
-//! Area lights: which surfaces they are, points on them in proportion to the light that leaves there, and the patches that
-//! stand for them.
+//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the patches that
+//! represent them.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -11,32 +11,42 @@ use super::{LightSample, Patch, luminance, radical_inverse};
 use crate::bvh::Target;
 use crate::scene::{Material, SceneData};
 
-/// Emitters whose mean luminance is at most this many times that of the scene's walls, were all light reflected once by white
-/// ones, are gathered: as bright as a well-lit wall. A box that glows all over has 1; the bound is a choice, not measured.
-const WALLS: f64 = 4.0;
+/// An emitter is weak if its mean luminance is at most this many times that of the scene's walls, if these were white
+/// and reflected all light once. It is then about as bright as a well-lit wall, and gather rays find its light. A box
+/// that glows all over has 1; the bound is a choice, not measured.
+const WEAK_TIMES_WALL: f64 = 4.0;
 
 /// All emissive meshes and spheres.
 #[derive(Debug, Default)]
 pub(crate) struct AreaLights {
     lights: Vec<AreaLight>,
-    elements: Vec<EmissivePrimitive>,
-    /// Luminous flux of all elements up to and with each, in units of the whole: ends with 1.
+    primitives: Vec<EmissivePrimitive>,
+    /// Luminous flux of all primitives up to and with each, in units of the whole: ends with 1.
     cdf: Vec<f64>,
-    /// The light of each instance and sphere; `NONE` for those that do not shine.
-    of_instance: Vec<u32>,
-    of_sphere: Vec<u32>,
+    /// The index of the light of each instance and sphere; `NONE` for those that do not shine.
+    light_of_instance: Vec<u32>,
+    light_of_sphere: Vec<u32>,
 }
 
 const NONE: u32 = u32::MAX;
 
-#[derive(Clone, Debug)]
-struct AreaLight {
-    elements: Range<usize>,
-    material: usize,
-    gathered: bool,
+/// How an emitter's light is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EmitterClass {
+    /// By shadow rays to its samples.
+    Sampled,
+    /// By gather rays that hit it.
+    Weak,
 }
 
-/// A point on an area light, chosen at random.
+#[derive(Clone, Debug)]
+struct AreaLight {
+    primitives: Range<usize>,
+    material: usize,
+    is_weak: bool,
+}
+
+/// A random point on an area light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AreaPoint {
     /// Metres.
@@ -55,53 +65,56 @@ impl AreaLights {
     /// The area lights of a checked scene in which other emitters give `other_flux` lumen.
     pub(crate) fn new(data: &SceneData, other_flux: f64) -> Self {
         let mut lights = Self {
-            of_instance: vec![NONE; data.instances.len()],
-            of_sphere: vec![NONE; data.spheres.len()],
+            light_of_instance: vec![NONE; data.instances.len()],
+            light_of_sphere: vec![NONE; data.spheres.len()],
             ..Self::default()
         };
         let shines = |m: &Material| m.emission != Vec3::ZERO && !m.unlit;
+        // An emissive mesh is one light for each of its instances.
         for (i, instance) in data.instances.iter().enumerate() {
             let mesh = &data.meshes[instance.mesh];
             if !shines(&data.materials[mesh.material]) {
                 continue;
             }
             let handedness = instance.world_from_object.matrix3.determinant().signum();
-            let place = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
+            let world_position = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
             let triangle = |&indices: &[u32; 3]| EmissivePrimitive::Triangle {
-                corners: indices.map(place),
+                corners: indices.map(world_position),
                 indices,
                 mesh: instance.mesh as u32,
                 handedness,
             };
-            lights.of_instance[i] = lights.add(mesh.triangles.iter().map(triangle), mesh.material);
+            lights.light_of_instance[i] = lights.add(mesh.triangles.iter().map(triangle), mesh.material);
         }
         for (i, sphere) in data.spheres.iter().enumerate() {
             if shines(&data.materials[sphere.material]) {
-                lights.of_sphere[i] = lights.add([EmissivePrimitive::Sphere(i as u32)].into_iter(), sphere.material);
+                lights.light_of_sphere[i] =
+                    lights.add([EmissivePrimitive::Sphere(i as u32)].into_iter(), sphere.material);
             }
         }
-        lights.weigh(data, other_flux);
+        lights.measure(data, other_flux);
         lights
     }
 
-    fn add(&mut self, elements: impl Iterator<Item = EmissivePrimitive>, material: usize) -> u32 {
-        let first = self.elements.len();
-        self.elements.extend(elements);
-        self.lights.push(AreaLight { elements: first..self.elements.len(), material, gathered: false });
+    fn add(&mut self, primitives: impl Iterator<Item = EmissivePrimitive>, material: usize) -> u32 {
+        let first = self.primitives.len();
+        self.primitives.extend(primitives);
+        self.lights.push(AreaLight { primitives: first..self.primitives.len(), material, is_weak: false });
         self.lights.len() as u32 - 1
     }
 
-    /// Sums the flux and finds out who is gathered.
-    fn weigh(&mut self, data: &SceneData, other_flux: f64) {
+    /// Sums the flux, and finds out which lights are weak.
+    fn measure(&mut self, data: &SceneData, other_flux: f64) {
+        // Sum the flux of the primitives, and average each light's luminance.
         let mut sum = 0.0;
         let mut means = Vec::new();
         for light in &self.lights {
             let material = &data.materials[light.material];
             let (mut area, before) = (0.0, sum);
-            for element in &self.elements[light.elements.clone()] {
-                let element_area = f64::from(element.area(data));
-                area += element_area;
-                sum += element_area * f64::from(luminance(element.mean_emission(data, material)));
+            for primitive in &self.primitives[light.primitives.clone()] {
+                let primitive_area = f64::from(primitive.area(data));
+                area += primitive_area;
+                sum += primitive_area * f64::from(luminance(primitive.mean_emission(data, material)));
                 self.cdf.push(sum);
             }
             means.push(if area > 0.0 { (sum - before) / area } else { 0.0 });
@@ -109,24 +122,26 @@ impl AreaLights {
         if self.lights.is_empty() {
             return;
         }
+        // Compare each light with the scene's walls.
         let two_sided = |light: &AreaLight| data.materials[light.material].double_sided;
         let flux: f64 = self
             .lights
             .iter()
             .map(|light| {
-                let Range { start, end } = light.elements;
-                let of = if end > start {
+                let Range { start, end } = light.primitives;
+                let share = if end > start {
                     self.cdf[end - 1] - if start > 0 { self.cdf[start - 1] } else { 0.0 }
                 } else {
                     0.0
                 };
-                PI * of * if two_sided(light) { 2.0 } else { 1.0 }
+                PI * share * if two_sided(light) { 2.0 } else { 1.0 }
             })
             .sum();
         let wall = (flux + other_flux) / (PI * surface_area(data));
         for (light, mean) in self.lights.iter_mut().zip(means) {
-            light.gathered = mean <= WALLS * wall;
+            light.is_weak = mean <= WEAK_TIMES_WALL * wall;
         }
+        // Normalize the sums.
         if sum > 0.0 {
             self.cdf.iter_mut().for_each(|c| *c /= sum);
         }
@@ -137,21 +152,21 @@ impl AreaLights {
         self.lights.len()
     }
 
-    /// Whether there is none that shines.
+    /// Whether no light shines.
     pub(crate) fn is_dark(&self) -> bool {
         self.cdf.last().is_none_or(|&sum| sum <= 0.0)
     }
 
-    /// Whether any of them is left to gather rays.
-    pub(crate) fn has_gathered(&self) -> bool {
-        self.lights.iter().any(|light| light.gathered)
+    /// Whether any light is weak, and so left to gather rays.
+    pub(crate) fn has_weak(&self) -> bool {
+        self.lights.iter().any(|light| light.is_weak)
     }
 
-    /// The light whose surface this is.
-    fn of(&self, target: Target) -> Option<&AreaLight> {
+    /// Returns the light that a surface belongs to.
+    fn light_of(&self, target: Target) -> Option<&AreaLight> {
         let index = match target {
-            Target::Triangle { instance, .. } => self.of_instance[instance as usize],
-            Target::Sphere(i) => self.of_sphere[i as usize],
+            Target::Triangle { instance, .. } => self.light_of_instance[instance as usize],
+            Target::Sphere(i) => self.light_of_sphere[i as usize],
             Target::Shape(_) => NONE,
         };
         self.lights.get(index as usize)
@@ -159,18 +174,18 @@ impl AreaLights {
 
     /// Whether a surface is sampled as a light, and not left to gather rays.
     pub(crate) fn is_sampled(&self, target: Target) -> bool {
-        self.of(target).is_some_and(|light| !light.gathered)
+        self.light_of(target).is_some_and(|light| !light.is_weak)
     }
 
-    /// The patches of the lights for which `wanted(gathered)` holds: `n` each, stratified along their elements.
-    pub(super) fn samples(&self, data: &SceneData, n: u32, wanted: impl Fn(bool) -> bool) -> Vec<LightSample> {
-        let lights = self.lights.iter().filter(|light| wanted(light.gathered));
+    /// Returns the patches of one class of lights: `n` each, stratified along their primitives.
+    pub(super) fn samples(&self, data: &SceneData, n: u32, class: EmitterClass) -> Vec<LightSample> {
+        let lights = self.lights.iter().filter(|light| light.is_weak == (class == EmitterClass::Weak));
         lights.flat_map(|light| (0..n).filter_map(|i| self.patch(data, light, i, n))).collect()
     }
 
-    /// The i-th of n patches: a Hammersley point of (flux along the elements, radical inverse).
+    /// Returns the i-th of n patches: a Hammersley point of (flux along the primitives, radical inverse).
     fn patch(&self, data: &SceneData, light: &AreaLight, i: u32, n: u32) -> Option<LightSample> {
-        let Range { start, end } = light.elements;
+        let Range { start, end } = light.primitives;
         let before = if start > 0 { self.cdf[start - 1] } else { 0.0 };
         let whole = self.cdf[end.checked_sub(1)?] - before;
         if whole <= 0.0 {
@@ -189,53 +204,55 @@ impl AreaLights {
         (patch.intensity_cd != Vec3::ZERO).then_some(LightSample::Patch(patch))
     }
 
-    /// The point at which the flux, counted from the first element of all, reaches `u`; `v` is its other coordinate.
+    /// Returns the point at which the flux, summed from the first primitive of all, reaches `u`; `v` is its other
+    /// coordinate.
     fn point_at(&self, data: &SceneData, range: Range<usize>, u: f64, v: f32) -> Option<AreaPoint> {
         let index = range.start + self.cdf[range.clone()].partition_point(|&c| c <= u);
-        let element = self.elements.get(index).filter(|_| index < range.end)?;
+        let primitive = self.primitives.get(index).filter(|_| index < range.end)?;
         let before = if index > 0 { self.cdf[index - 1] } else { 0.0 };
         let share = self.cdf[index] - before;
         let inside = (((u - before) / share) as f32).clamp(0.0, 1.0 - f32::EPSILON);
-        let light = &self.lights[self.lights.partition_point(|light| light.elements.end <= index)];
+        let light = &self.lights[self.lights.partition_point(|light| light.primitives.end <= index)];
         let material = &data.materials[light.material];
-        let point = element.point(data, Vec2::new(inside, v));
+        let point = primitive.point(data, Vec2::new(inside, v));
         Some(AreaPoint {
             position: point.position,
             normal: point.normal,
             emission: emission_of(data, material, point.uvs),
             two_sided: material.double_sided,
-            pdf: (share / f64::from(element.area(data))) as f32,
+            pdf: (share / f64::from(primitive.area(data))) as f32,
         })
     }
 
-    /// A point on any of the lights, from u in [0, 1)²; `None` where nothing shines.
+    /// Samples a point on any of the lights by u in [0, 1)²; `None` if nothing shines.
     pub(crate) fn sample(&self, data: &SceneData, u: Vec2) -> Option<AreaPoint> {
         if self.is_dark() {
             return None;
         }
-        self.point_at(data, 0..self.elements.len(), f64::from(u.x), u.y)
+        self.point_at(data, 0..self.primitives.len(), f64::from(u.x), u.y)
     }
 
-    /// The density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are no lights.
+    /// Returns the density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are
+    /// no lights.
     pub(crate) fn pdf(&self, data: &SceneData, target: Target) -> f32 {
-        let Some(light) = self.of(target) else { return 0.0 };
+        let Some(light) = self.light_of(target) else { return 0.0 };
         let index = match target {
-            Target::Triangle { triangle, .. } => light.elements.start + triangle as usize,
-            _ => light.elements.start,
+            Target::Triangle { triangle, .. } => light.primitives.start + triangle as usize,
+            _ => light.primitives.start,
         };
         let share = self.cdf[index] - if index > 0 { self.cdf[index - 1] } else { 0.0 };
-        let area = f64::from(self.elements[index].area(data));
+        let area = f64::from(self.primitives[index].area(data));
         if area > 0.0 { (share / area) as f32 } else { 0.0 }
     }
 }
 
-/// The area of all surfaces but user-defined ones, m².
+/// Returns the area of all surfaces but user-defined ones, m².
 fn surface_area(data: &SceneData) -> f64 {
     let triangles = data.instances.iter().flat_map(|instance| {
         let mesh = &data.meshes[instance.mesh];
-        let place = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
+        let world_position = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
         mesh.triangles.iter().map(move |t| {
-            let [a, b, c] = t.map(place);
+            let [a, b, c] = t.map(world_position);
             f64::from(0.5 * (b - a).cross(c - a).length())
         })
     });
@@ -254,8 +271,8 @@ mod tests {
     use crate::scene::Instance;
 
     /// Two triangles of 1 and 3 m², a sphere, brightness 1 and 2.
-    fn lamps() -> (SceneData, AreaLights) {
-        let lamp = |e: f32| Material { emission: Vec3::splat(e), ..Material::default() };
+    fn emitters() -> (SceneData, AreaLights) {
+        let emissive = |e: f32| Material { emission: Vec3::splat(e), ..Material::default() };
         let mesh = TriangleMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y * 2.0, Vec3::X * 4.0],
             triangles: vec![[0, 1, 2], [1, 3, 2]],
@@ -265,18 +282,17 @@ mod tests {
             meshes: vec![mesh],
             instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
             spheres: vec![Sphere { center: Vec3::new(0.0, 0.0, 9.0), radius: 0.5, material: 1 }],
-            materials: vec![lamp(1.0), lamp(2.0)],
+            materials: vec![emissive(1.0), emissive(2.0)],
             ..SceneData::default()
         };
         let lights = AreaLights::new(&data, 0.0);
         (data, lights)
     }
 
-    /// Flux per primitive 1 : 3 : 2π. The density of a sample is that of its surface,
-    /// flux share over area.
+    /// Flux per primitive 1 : 3 : 2π. The density of a sample is that of its surface, flux share over area.
     #[test]
     fn points_come_in_proportion_to_the_light_that_leaves_there() {
-        let (data, lights) = lamps();
+        let (data, lights) = emitters();
         let targets = [
             Target::Triangle { instance: 0, triangle: 0 },
             Target::Triangle { instance: 0, triangle: 1 },

@@ -21,7 +21,7 @@ pub(crate) struct EnvironmentLight {
     mean_luminance: f64,
 }
 
-/// A map's importance.
+/// The importance of a map's directions.
 #[derive(Debug)]
 struct Map {
     table: Table,
@@ -30,7 +30,7 @@ struct Map {
     cells: Vec<Vec3>,
 }
 
-/// How maps are looked up.
+/// The sampler of maps.
 const SAMPLER: Texture =
     Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::ClampToEdge, filter: Filter::Bilinear };
 
@@ -66,21 +66,20 @@ impl EnvironmentLight {
         self.mean_luminance
     }
 
-    /// What is seen along a unit direction of the world, cd/m² per channel.
+    /// Returns the radiance that arrives along a unit direction of the world, cd/m² per channel.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         let Some(image) = &self.environment.map else { return self.environment.radiance };
-        let texel = SAMPLER.sample(image, place_of(self.map_from_world * direction), ColorEncoding::Srgb);
+        let texel = SAMPLER.sample(image, uv_of(self.map_from_world * direction), ColorEncoding::Srgb);
         texel.truncate() * self.environment.radiance
     }
 
-    /// A direction of the world from u in [0, 1)², and its density per steradian.
+    /// Samples a direction of the world by u in [0, 1)². Returns it and its density per steradian.
     pub(crate) fn sample(&self, u: Vec2) -> (Vec3, f32) {
         match &self.map {
             None => (sample_sphere(u), 0.25 * FRAC_1_PI),
             Some(map) => {
-                let place = map.table.sample(u);
-                let direction = self.environment.world_from_map * direction_of(place);
-                (direction, map.pdf(place))
+                let uv = map.table.sample(u);
+                (self.environment.world_from_map * direction_of(uv), map.pdf(uv))
             }
         }
     }
@@ -89,20 +88,21 @@ impl EnvironmentLight {
     pub(crate) fn pdf(&self, direction: Vec3) -> f32 {
         match &self.map {
             None => 0.25 * FRAC_1_PI,
-            Some(map) => map.pdf(place_of(self.map_from_world * direction)),
+            Some(map) => map.pdf(uv_of(self.map_from_world * direction)),
         }
     }
 
-    /// `n` directions that bring all of the light: Hammersley points through the table, each with the mean light of its cell.
+    /// Returns `n` directional lights that together have all of the light: Hammersley points through the table, each
+    /// with the mean light of its cell.
     pub(super) fn samples(&self, n: u32) -> Vec<LightSample> {
         (0..n)
             .map(|i| {
                 let u = Vec2::new((i as f32 + 0.5) / n as f32, radical_inverse(i));
-                let (towards, solid_angle, texel) = match &self.map {
-                    None => (sample_sphere(u), 4.0 * PI, Vec3::ONE),
+                let SkyPatch { direction, solid_angle, texel } = match &self.map {
+                    None => SkyPatch { direction: sample_sphere(u), solid_angle: 4.0 * PI, texel: Vec3::ONE },
                     Some(map) => map.patch(u),
                 };
-                let towards = self.environment.world_from_map * towards;
+                let towards = self.environment.world_from_map * direction;
                 let illuminance_lux = texel * self.environment.radiance * (solid_angle / n as f32);
                 LightSample::Punctual(Light::Directional { direction: -towards, illuminance_lux })
             })
@@ -110,9 +110,19 @@ impl EnvironmentLight {
     }
 }
 
+/// A direction of the sky that stands for a solid angle.
+struct SkyPatch {
+    direction: Vec3,
+    /// Steradian, if it stood for the whole sky alone.
+    solid_angle: f32,
+    /// The mean light of its cell, in texels' units.
+    texel: Vec3,
+}
+
 impl Map {
     pub(crate) fn new(image: &ImageData) -> Self {
         let (width, height) = (image.width.min(MAX_SIDE), image.height.min(MAX_SIDE));
+        // Average the map down to the cells of the table.
         let texel =
             |x: u32, y: u32| ColorEncoding::Srgb.texel(&image.texels, y as usize * image.width as usize + x as usize);
         let range = |i: u32, cells: u32, texels: u32| {
@@ -128,33 +138,35 @@ impl Map {
                 cells.push(sum / count as f32);
             }
         }
+        // Blur them like lookups, and weigh them by luminance and solid angle.
         let sides = [(image.width, width), (image.height, height)].map(|(texels, cells)| texels as f32 / cells as f32);
-        let cells = spread(&cells, width as usize, sides);
+        let cells = blur_like_lookups(&cells, width as usize, sides);
         let weight = |(i, c): (usize, &Vec3)| luminance(*c) * sin_of_row(i / width as usize, height as usize);
         let weights: Vec<f32> = cells.iter().enumerate().map(weight).collect();
         Self { table: Table::new(width as usize, &weights), width: width as usize, cells }
     }
 
-    /// A direction, the solid angle that it stands for were it the only one, and the light of its cell.
-    fn patch(&self, u: Vec2) -> (Vec3, f32, Vec3) {
-        let place = self.table.sample(u);
-        let (column, row) = self.table.cell(place);
+    /// Samples the map by u in [0, 1)².
+    fn patch(&self, u: Vec2) -> SkyPatch {
+        let uv = self.table.sample(u);
+        let (column, row) = self.table.cell(uv);
         let sin = sin_of_row(row, self.cells.len() / self.width);
-        let solid_angle = 2.0 * PI * PI * sin / self.table.pdf(place);
-        (direction_of(place), solid_angle, self.cells[row * self.width + column])
+        let solid_angle = 2.0 * PI * PI * sin / self.table.pdf(uv);
+        SkyPatch { direction: direction_of(uv), solid_angle, texel: self.cells[row * self.width + column] }
     }
 
-    /// Per steradian: dω = 2π² sin θ du dv.
-    pub(crate) fn pdf(&self, place: Vec2) -> f32 {
-        let sin = libm::sinf(PI * place.y);
-        if sin <= 0.0 { 0.0 } else { self.table.pdf(place) / (2.0 * PI * PI * sin) }
+    /// Returns the density at (u, v) per steradian: dω = 2π² sin θ du dv.
+    pub(crate) fn pdf(&self, uv: Vec2) -> f32 {
+        let sin = libm::sinf(PI * uv.y);
+        if sin <= 0.0 { 0.0 } else { self.table.pdf(uv) / (2.0 * PI * PI * sin) }
     }
 }
 
-/// What bilinear lookup carries from each cell into its neighbours: over a texel its mean is an eighth of the texel before,
-/// six of its own, an eighth of the next; over a cell of n texels a neighbour's share is 1/8n. Without it the rim of a small
-/// sun is bright where the table says dark, and few samples with huge weights find it. Columns go round; rows end.
-fn spread(cells: &[Vec3], width: usize, texels_per_cell: [f32; 2]) -> Vec<Vec3> {
+/// Blurs cells as bilinear lookup carries light from each into its neighbours. The mean of a lookup over a texel is an
+/// eighth of the texel before, six of its own and an eighth of the next; over a cell of n texels a neighbour's share is
+/// 1/8n. Without the blur the rim of a small sun is bright where the table is dark, and few samples with huge weights
+/// find it. Columns wrap around; rows do not.
+fn blur_like_lookups(cells: &[Vec3], width: usize, texels_per_cell: [f32; 2]) -> Vec<Vec3> {
     let [a, b] = texels_per_cell.map(|n| 0.125 / n);
     let height = cells.len() / width;
     let across = |x: usize, y: usize| {
@@ -173,15 +185,15 @@ fn sin_of_row(row: usize, height: usize) -> f32 {
     libm::sinf(PI * (row as f32 + 0.5) / height as f32)
 }
 
-/// The map's direction at (u, v): see [`Environment::map`].
-fn direction_of(place: Vec2) -> Vec3 {
-    let (phi, theta) = (TAU * place.x, PI * place.y);
+/// Returns the map's direction at (u, v): see [`Environment::map`].
+fn direction_of(uv: Vec2) -> Vec3 {
+    let (phi, theta) = (TAU * uv.x, PI * uv.y);
     let sin = libm::sinf(theta);
     Vec3::new(-libm::cosf(phi) * sin, libm::cosf(theta), -libm::sinf(phi) * sin)
 }
 
-/// Where a unit direction is on the map, (u, v) in [0, 1].
-fn place_of(d: Vec3) -> Vec2 {
+/// Returns the (u, v) in [0, 1] of a unit direction of the map.
+fn uv_of(d: Vec3) -> Vec2 {
     let phi = libm::atan2f(-d.z, -d.x) / TAU;
     Vec2::new(if phi < 0.0 { phi + 1.0 } else { phi }, libm::acosf(d.y.clamp(-1.0, 1.0)) / PI)
 }
@@ -220,7 +232,7 @@ mod tests {
         }
         for i in 0..1000 {
             let u = Vec2::new(sobol_burley::sample(i, 0, 7), sobol_burley::sample(i, 1, 7)) * 0.99 + 0.005;
-            assert!((place_of(direction_of(u)) - u).length() < 1e-3, "{u}");
+            assert!((uv_of(direction_of(u)) - u).length() < 1e-3, "{u}");
         }
     }
 
@@ -241,9 +253,9 @@ mod tests {
         }
     }
 
-    /// One sample's weight, luminance over density, against the mean of all, which is the integral over the sphere. Where
-    /// texels meet, bilinear lookup is at most half of the brighter one while its neighbour's cell holds an eighth: 4, and
-    /// 16 in a corner; sin θ changes by less than that.
+    /// One sample's weight, luminance over density, against the mean of all, which is the integral over the sphere.
+    /// Where texels meet, bilinear lookup is at most half of the brighter one while its neighbour's cell holds an
+    /// eighth: 4, and 16 in a corner; sin θ changes by less than that.
     #[test]
     fn no_sample_is_far_brighter_than_its_density() {
         let sky = sky();
@@ -286,7 +298,8 @@ mod tests {
         assert!(((sum - truth) / truth).abs().max_element() < 0.02, "{sum} {truth}");
     }
 
-    /// Directions against the density, in 8 × 8 cells of equal solid angle with 64 × 64 midpoints each. The sun's texel alone has most of them.
+    /// Directions against the density, in 8 × 8 cells of equal solid angle with 64 × 64 midpoints each. The sun's texel
+    /// alone has most of them.
     #[test]
     fn directions_come_in_proportion_to_the_density() {
         let sky = sky();

@@ -1,4 +1,4 @@
-//! The pieces of area lights, triangles and spheres: their area, their emission, and points on them.
+//! The primitives of area lights, triangles and spheres: their area, their emission, and points on them.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use crate::scene::{ColorEncoding, Material, SceneData};
 
-/// A piece of an emissive surface.
+/// A primitive of an emissive surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum EmissivePrimitive {
     Triangle {
@@ -21,7 +21,7 @@ pub(super) enum EmissivePrimitive {
     Sphere(u32),
 }
 
-/// A point of an element.
+/// A point of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitivePoint {
     pub position: Vec3,
@@ -39,7 +39,7 @@ impl EmissivePrimitive {
         }
     }
 
-    /// The point that u in [0, 1)² leads to; uniform over the area.
+    /// Samples a point by u in [0, 1)², uniformly over the area.
     pub(super) fn point(&self, data: &SceneData, u: Vec2) -> PrimitivePoint {
         match *self {
             Self::Triangle { corners: [a, b, c], indices, mesh, handedness } => {
@@ -63,7 +63,7 @@ impl EmissivePrimitive {
         }
     }
 
-    /// Mean emission, from a few points; exact where there is no texture.
+    /// Returns the mean emission, from a few points; exact where there is no texture.
     pub(super) fn mean_emission(&self, data: &SceneData, material: &Material) -> Vec3 {
         if material.emission_texture.is_none() {
             return material.emission;
@@ -75,7 +75,7 @@ impl EmissivePrimitive {
     }
 }
 
-/// The luminance that a material emits, cd/m² per channel.
+/// Returns the luminance that a material emits, cd/m² per channel.
 pub(super) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2]) -> Vec3 {
     let Some(r) = material.emission_texture else { return material.emission };
     let texture = &data.textures[r.texture];
@@ -83,13 +83,13 @@ pub(super) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2])
     material.emission * texel.truncate()
 }
 
-/// Barycentric coordinates, uniform over a triangle: (1 − √u, (1 − v) √u, v √u).
+/// Samples barycentric coordinates, uniform over a triangle: (1 − √u, (1 − v) √u, v √u).
 pub(super) fn sample_triangle(u: Vec2) -> Vec3 {
     let s = u.x.sqrt();
     Vec3::new(1.0 - s, (1.0 - u.y) * s, u.y * s)
 }
 
-/// A uniform direction.
+/// Samples a uniform direction.
 pub(super) fn sample_sphere(u: Vec2) -> Vec3 {
     let z = 1.0 - 2.0 * u.x;
     let r = (1.0 - z * z).max(0.0).sqrt();

@@ -1,9 +1,10 @@
-//! Punctual lights with a radius: a ball of isotropic points that looks like a Lambertian sphere.
+//! Sphere lights: punctual lights with a radius, as isotropic points in a ball that together look like a Lambertian
+//! sphere.
 //!
-//! Points of density ∝ 1/√(R² − r²) in a ball of radius R project to a uniform disk from every side (Abel's transform of it is
-//! constant): far away the ball is the sphere of equal power, penumbras included. By Newton's shell theorem the irradiance
-//! vector outside the ball, I d/|d|³ summed over the points, is exactly that of one point in the middle, as a Lambertian sphere's
-//! is. Unlike patches on a sphere, no sample looks away, and each is a plain point light.
+//! Points of density ∝ 1/√(R² − r²) in a ball of radius R project to a uniform disk from every side (Abel's transform
+//! of it is constant): far away the ball is the sphere of equal power, penumbras included. By Newton's shell theorem
+//! the irradiance vector outside the ball, I d/|d|³ summed over the points, is exactly that of one point in the middle,
+//! as a Lambertian sphere's is. Unlike patches on a sphere, no sample faces away, and each is a plain point light.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,8 +14,8 @@ use super::{LightSample, radical_inverse};
 use crate::sampling::unit_f32;
 use crate::scene::Light;
 
-/// A point of the unit ball from u in [0, 1)³: r = sin a with (2a − sin 2a)/π = u.x, and a uniform direction.
-pub(crate) fn sample_ball(u: Vec3) -> Vec3 {
+/// Samples a point of the unit ball by u in [0, 1)³: r = sin a with (2a − sin 2a)/π = u.x, and a uniform direction.
+pub(crate) fn sample_unit_ball(u: Vec3) -> Vec3 {
     let z = 1.0 - 2.0 * u.y;
     let phi = TAU * u.z;
     let s = (1.0 - z * z).max(0.0).sqrt();
@@ -31,7 +32,7 @@ fn angle(u: f32) -> f32 {
     0.5 * (low + high)
 }
 
-/// `n` points of equal power in place of a light, evenly spread; a directional light stays what it is.
+/// Returns `n` evenly distributed points of equal power in place of a light; a directional light stays what it is.
 pub(super) fn samples(light: &Light, radius: f32, n: u32) -> Vec<LightSample> {
     if matches!(light, Light::Directional { .. }) {
         return vec![LightSample::Punctual(*light)];
@@ -41,7 +42,7 @@ pub(super) fn samples(light: &Light, radius: f32, n: u32) -> Vec<LightSample> {
             // Directions on a spherical Fibonacci lattice, radii by the radical inverse: neighbours differ in depth.
             let golden = unit_f32(i.wrapping_mul(2_654_435_769));
             let u = Vec3::new(radical_inverse(i), (i as f32 + 0.5) / n as f32, golden);
-            LightSample::Punctual(light.moved(sample_ball(u) * radius).dimmed(1.0 / n as f32))
+            LightSample::Punctual(light.moved(sample_unit_ball(u) * radius).dimmed(1.0 / n as f32))
         })
         .collect()
 }
@@ -63,19 +64,19 @@ mod tests {
     fn inverting_a_thousand_points_gives_their_numbers_back() {
         for i in 0..1000 {
             let u = Vec3::from_array([0, 1, 2].map(|d| 0.001 + 0.998 * sobol_burley::sample(i, d, 5)));
-            let back = invert_ball(sample_ball(u));
+            let back = invert_ball(sample_unit_ball(u));
             assert!((back - u).abs().max_element() < 2e-3, "{u} {back}");
         }
     }
 
     /// The projection on any plane is a uniform disk, over 32 rings of equal area.
     #[test]
-    fn the_ball_looks_like_a_uniform_disk() {
+    fn sphere_lights_look_like_uniform_disks() {
         for axis in [Vec3::X, Vec3::new(0.36, 0.48, 0.8)] {
             let mut rings = [0_u32; 32];
             for i in 0..20_000 {
                 let u = Vec3::from_array([0, 1, 2].map(|d| unit_f32(hash(3 * i + d))));
-                let p = sample_ball(u);
+                let p = sample_unit_ball(u);
                 let r2 = (p - axis * p.dot(axis)).length_squared();
                 rings[(r2 * 32.0).min(31.0) as usize] += 1;
             }

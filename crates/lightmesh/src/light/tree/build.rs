@@ -1,4 +1,4 @@
-//! Building the trees: halves of the widest extent, from the top down.
+//! Building the trees from the top down: each node is split at the middle of its widest extent.
 
 use glam::Vec3;
 
@@ -9,41 +9,43 @@ use super::{Kind, LightTree, Node, moments};
 /// A light sample on its way into a tree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leaf {
-    pub luminaire: SampledLight,
+    pub light: SampledLight,
     pub lane: u32,
 }
 
 impl Leaf {
     /// R + G + B.
     pub(super) fn strength(&self) -> f32 {
-        self.luminaire.intensity.element_sum()
+        self.light.intensity.element_sum()
     }
 
-    /// Which way it shines; zero for even ones and directions, whose place says it.
+    /// Which way it shines; zero for isotropic and directional lights.
     pub(super) fn axis(&self) -> Vec3 {
-        match self.luminaire.emission {
-            LightEmission::Isotropic => Vec3::ZERO,
-            LightEmission::Patch { axis, .. } | LightEmission::Spot { axis, .. } => axis,
+        match self.light.emission {
+            LightEmission::Isotropic | LightEmission::Directional => Vec3::ZERO,
+            LightEmission::Patch { normal, .. } => normal,
+            LightEmission::Spot { cone, .. } => cone.axis,
         }
     }
 
     fn kind(&self) -> Kind {
-        match self.luminaire.emission {
-            LightEmission::Isotropic => Kind::Even,
+        match self.light.emission {
+            LightEmission::Isotropic => Kind::Isotropic,
             LightEmission::Patch { back: 0.0, .. } => Kind::OneSided,
             LightEmission::Patch { .. } => Kind::TwoSided,
-            LightEmission::Spot { w: 0.0, .. } => Kind::Direction,
-            LightEmission::Spot { .. } => Kind::Shaped,
+            LightEmission::Spot { .. } => Kind::Spot,
+            LightEmission::Directional => Kind::Directional,
         }
     }
 
-    /// With a normal of the upper hemisphere where both sides shine: patches that are one behind the other are alike.
+    /// Turns a patch whose both sides shine to have its normal in the upper hemisphere: patches of opposite normals are
+    /// alike.
     fn upright(mut self) -> Self {
-        if let LightEmission::Patch { axis, back, .. } = &mut self.luminaire.emission
+        if let LightEmission::Patch { normal, back, .. } = &mut self.light.emission
             && *back != 0.0
-            && axis.to_array() < [0.0; 3]
+            && normal.to_array() < [0.0; 3]
         {
-            *axis = -*axis;
+            *normal = -*normal;
         }
         self
     }
@@ -52,12 +54,13 @@ impl Leaf {
 impl LightTree {
     /// The trees over all samples.
     pub(crate) fn new(samples: &LightSamples) -> Self {
-        let leaf = |lane| samples.sample(lane).map(|luminaire| Leaf { luminaire, lane: lane as u32 }.upright());
+        // Sort the lights by kind.
+        let leaf = |lane| samples.sample(lane).map(|light| Leaf { light, lane: lane as u32 }.upright());
         let mut leaves: Vec<Leaf> = (0..samples.lanes()).filter_map(leaf).collect();
         leaves.sort_by_key(Leaf::kind);
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * leaves.len()),
-            luminaires: Vec::with_capacity(2 * leaves.len()),
+            representatives: Vec::with_capacity(2 * leaves.len()),
             orientations: Vec::new(),
             first_oriented: usize::MAX,
             first_direction: u32::MAX,
@@ -65,17 +68,19 @@ impl LightTree {
             lanes: Vec::new(),
             sums: Vec::new(),
         };
+        // Build a tree for each kind.
         let mut first = 0;
-        for of_kind in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
-            let (root, kind) = (tree.nodes.len() as u32, of_kind[0].kind());
+        for kind_leaves in leaves.chunk_by_mut(|a, b| a.kind() == b.kind()) {
+            let (root, kind) = (tree.nodes.len() as u32, kind_leaves[0].kind());
             tree.roots.push(root);
-            if kind == Kind::Direction {
+            if kind == Kind::Directional {
                 tree.first_direction = root;
             }
-            tree.add(kind, of_kind, first);
-            tree.grow(of_kind, first);
-            first += of_kind.len();
+            tree.add(kind, kind_leaves, first);
+            tree.grow(kind_leaves, first);
+            first += kind_leaves.len();
         }
+        // Sum the strengths in the order of the leaves, to choose lights by.
         let mut sum = 0.0;
         for leaf in &leaves {
             sum += f64::from(leaf.strength());
@@ -107,28 +112,30 @@ impl LightTree {
     }
 
     fn add(&mut self, kind: Kind, leaves: &[Leaf], first: usize) {
-        let (node, mut luminaire) = Node::new(kind, leaves, first as u32);
-        if let Some((orientation, oriented)) = moments::orientation(kind, leaves, &luminaire) {
+        let (node, mut representative) = Node::new(kind, leaves, first as u32);
+        if let Some((orientation, oriented)) = moments::orientation(kind, leaves, &representative) {
             self.first_oriented = self.first_oriented.min(self.nodes.len());
             self.orientations.push(orientation);
-            luminaire = oriented;
+            representative = oriented;
         }
-        self.luminaires.push(luminaire);
+        self.representatives.push(representative);
         self.nodes.push(node);
     }
 }
 
-/// Divides leaves at the middle of their widest extent, in place and in order, and returns how many come first. Axes count too, as in
-/// Lightcuts (section 3.3): a right angle between them as much as half of the box's diagonal; empirical, as the paper's.
+/// Partitions leaves at the middle of their widest extent, in place and in order, and returns how many are in the first
+/// part. Axes count too, as in Lightcuts (section 3.3): a right angle between them as much as half of the box's
+/// diagonal; empirical, as the paper's.
 fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
+    // Find the widest extent, of positions or of axes.
     let range = |of: fn(&Leaf) -> Vec3| {
         let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         leaves.iter().fold(start, |(min, max), leaf| (min.min(of(leaf)), max.max(of(leaf))))
     };
-    let place: fn(&Leaf) -> Vec3 = |leaf| leaf.luminaire.position;
-    let (min, max) = range(place);
-    let mut widest = (place, min, max);
-    if !matches!(kind, Kind::Even | Kind::Direction) {
+    let position: fn(&Leaf) -> Vec3 = |leaf| leaf.light.position;
+    let (min, max) = range(position);
+    let mut widest = (position, min, max);
+    if !matches!(kind, Kind::Isotropic | Kind::Directional) {
         let axes = range(Leaf::axis);
         if (axes.1 - axes.0).max_element() * 0.5 * (max - min).length() > (max - min).max_element() {
             widest = (Leaf::axis, axes.0, axes.1);
@@ -144,7 +151,7 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         2
     };
     let middle = 0.5 * (min[axis] + max[axis]);
-    // Partition in order.
+    // Partition at its middle, in order.
     scratch.clear();
     let mut left = 0;
     for i in 0..leaves.len() {
@@ -156,6 +163,6 @@ fn split(leaves: &mut [Leaf], kind: Kind, scratch: &mut Vec<Leaf>) -> usize {
         }
     }
     leaves[left..].copy_from_slice(scratch);
-    // All in one place: any halves are as good.
+    // All are at one position: any halves are as good.
     if left == 0 || left == leaves.len() { leaves.len() / 2 } else { left }
 }

@@ -14,14 +14,14 @@ pub(crate) struct Refinement {
 /// How exact a cut is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
-    /// Errors as a part of all light that arrives.
+    /// The error allowed, as a part of all light that arrives.
     pub error: f32,
-    /// How much the visibility of a cluster's lights differs from that of the one which is asked for all, as a standard deviation: they
-    /// are noise of so much times the cluster's light, and count as errors too. 0 where nothing is asked.
+    /// The standard deviation of the visibility of a cluster's lights from that of the one that gets the shadow ray:
+    /// noise of so much times the cluster's light, which counts as an error too. 0 where no shadow rays are traced.
     pub shadows: f32,
 }
 
-/// A node of a front, and what of it is added as it is and in squares.
+/// A node of a front, with the parts of its error that add up as they are and in squares.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     node: u32,
@@ -31,17 +31,19 @@ struct Entry {
 }
 
 impl LightTree {
-    /// The nodes that stand for all lights at some receivers, in the order of their luminaires' blocks: their errors sum up to at most
-    /// the part `error` of the light that arrives.
+    /// Chooses the nodes that represent all lights at some receivers, in the order of their blocks, so that their
+    /// errors sum up to at most the part `error` of the light that arrives.
     ///
-    /// Errors of directions all have one sign, and their bounds are what they are, not what they may be: they are added as they are.
-    /// Those of other lights are of both signs, and their bounds are for the worst place of each light and receiver: squares are
-    /// added, as if they were independent of each other. That is empirical; docs/many-lights.md has what came of it. As plain
-    /// numbers the bounds may sum up to √n times as much, n the size of the cut. Noise of shadows is independent. Single lights have
-    /// neither: with `error` 0 the cut is all lights that reach the receivers.
+    /// Errors of directional lights all have one sign and are exact, not bounds: they are added as they are. Those of
+    /// other lights have both signs, and their bounds are for the worst position of each light and receiver: squares
+    /// are added, as if they were independent of each other. That is empirical; docs/many-lights.md has the measured
+    /// errors. Added as they are, the bounds may sum up to √n times as much, n the size of the cut. Noise of shadows is
+    /// independent. Single lights have neither error nor noise: with `error` 0 the cut is all lights that reach the
+    /// receivers.
     ///
-    /// Nodes with more than their share of what is allowed, 1/n of the sum or of its square, are replaced by their children, until the
-    /// sum fits. While the front grows shares shrink: none is refined that a cut with the least largest error would have kept.
+    /// Nodes with more than their share of what is allowed, 1/n of the sum or of its square, are replaced by their
+    /// children, until the sum fits. While the front grows shares shrink: no node is refined that a cut with the least
+    /// largest error would have kept.
     pub(crate) fn cut(
         &self,
         receivers: &Receivers,
@@ -63,10 +65,11 @@ impl LightTree {
                 square: error * error + noise * noise,
             })
         };
+        // Begin with the roots, and replace nodes until all fit.
         front.clear();
         front.extend(self.roots.iter().filter_map(|&root| entry(root)));
         loop {
-            // Directions come last.
+            // Share what is allowed among the nodes of each sort; directional lights come last.
             let (placed, distant) = front.split_at(front.partition_point(|entry| entry.node < self.first_direction));
             let shares = [placed, distant].map(|front| Share::of(front, tolerance.error));
             next.clear();
@@ -81,7 +84,7 @@ impl LightTree {
                 let child = self.nodes[kept.node as usize].child;
                 next.extend([child, child + 1].into_iter().filter_map(entry));
             }
-            // Everything fits, but for a rounding perhaps.
+            // Everything fits, up to rounding.
             if !refined {
                 break;
             }
@@ -92,14 +95,14 @@ impl LightTree {
     }
 }
 
-/// How much of both a node of a front may have; infinite where they all fit.
+/// The largest sum and square that a node of a front may have; infinite where all fit.
 struct Share {
     sum: f32,
     square: f64,
 }
 
 impl Share {
-    /// Of Σ sum ≤ error · Σ light and √(Σ square) ≤ error · Σ light.
+    /// Shares the limits Σ sum ≤ error · Σ light and √(Σ square) ≤ error · Σ light.
     fn of(front: &[Entry], error: f32) -> Self {
         let (mut sum, mut squares, mut arriving) = (0.0, 0.0, 0.0);
         for entry in front {

@@ -1,17 +1,18 @@
-//! A hierarchy over light samples: groups of lights that one light stands for, and how far wrong it can be.
+//! A hierarchy over light samples: clusters of lights that one light represents, with a bound on the error of that.
 //!
-//! After Walter et al., "Lightcuts: A Scalable Approach to Illumination" (SIGGRAPH 2005): a binary tree over the lights; a *cut*
-//! through it is a set of nodes that holds every light once. What differs:
+//! After Walter et al., "Lightcuts: A Scalable Approach to Illumination" (SIGGRAPH 2005): a binary tree over the
+//! lights; a *cut* through it is a set of nodes that holds every light once. What differs:
 //!
-//! - A cluster shines from the mean place of its lights, weighted by their strength, and not from one of them: the first order
-//!   of the error vanishes and the second can be bounded, as in Barnes and Hut's method (Nature 324, 1986).
-//! - Bounds are for boxes of receivers, so that all surface points of a region share a cut, and hold for the mean over all
-//!   normals (`bound.rs`), so that a region needs one cut whatever surfaces are in it.
-//! - A cut is refined until the sum of the bounds is below the part ε of all light that arrives (`cut.rs`). Lightcuts asks for each bound
-//!   alone to be below ε of it and says nothing of the sum.
+//! - A cluster shines from the mean position of its lights, weighted by their strength, and not from one of them: the
+//!   first order of the error vanishes and the second can be bounded, as in Barnes and Hut's method (Nature 324, 1986).
+//! - Bounds are for boxes of receivers, so that all surface points of a region share a cut. They hold for the mean over
+//!   all normals (`bound.rs`), so that a region needs one cut whatever surfaces are in it.
+//! - A cut is refined until the sum of the bounds is below the part ε of all light that arrives (`cut.rs`). Lightcuts
+//!   bounds each cluster's error alone by ε of it, and does not bound the sum.
 //!
-//! Trees of several kinds, one beside the other: even point lights, patches that shine from one side, from both, spots and ranges,
-//! directions. A node's strength is Σ_i (R + G + B) of its lights: errors are of all channels together.
+//! There is a tree for each kind of light: isotropic points, patches that shine from one side, patches that shine from
+//! both, spots and ranges, directional lights. A node's strength is Σ_i (R + G + B) of its lights: errors are of all
+//! channels together.
 
 pub(crate) mod bound;
 mod build;
@@ -31,12 +32,12 @@ use super::samples::LightSamples;
 #[derive(Debug)]
 pub(crate) struct LightTree {
     nodes: Vec<Node>,
-    /// By node: the light that stands for it; a leaf's is its sample.
-    luminaires: Vec<SampledLight>,
-    /// By node less `first_oriented`: of patches, spots and ranges.
+    /// By node: the light that represents it; a leaf's is its sample.
+    representatives: Vec<SampledLight>,
+    /// By node less `first_oriented`: of patches and spots.
     orientations: Vec<Orientation>,
     first_oriented: usize,
-    /// Nodes from this one on are of directions.
+    /// Nodes from this one on are of directional lights.
     first_direction: u32,
     roots: Vec<u32>,
     /// Lanes of the samples, in the order of the leaves, and the sums of their strengths up to and with each.
@@ -44,30 +45,31 @@ pub(crate) struct LightTree {
     sums: Vec<f64>,
 }
 
-/// Lights that shine alike, in the order of their trees: that of the blocks of [`LightSamples`].
+/// Lights of one emission, in the order of their trees, which is that of the blocks of [`LightSamples`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    Even,
+    Isotropic,
     OneSided,
     TwoSided,
-    Shaped,
-    Direction,
+    Spot,
+    Directional,
 }
 
-/// Some lights of one kind.
+/// A cluster of lights of one kind, or one light.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// The box around their places, metres.
+    /// The box around their positions, metres.
     min: Vec3,
     max: Vec3,
-    /// Their mean place by strength.
-    place: Vec3,
-    /// Σ (R + G + B), candela; lux for directions.
+    /// Their mean position, weighted by strength.
+    mean: Vec3,
+    /// Σ (R + G + B), candela; lux for directional lights.
     strength: f32,
-    /// Mean squared distance from `place` by strength, m².
+    /// Mean squared distance from `mean`, weighted by strength, m².
     variance: f32,
-    /// Σ over channels of |Σ_i I_i (x_i − place)|: how far the colours' own means are off, cd m. Of directions the whole error, lux.
-    colour: f32,
+    /// Σ over channels of |Σ_i I_i (x_i − mean)|, cd m: the means of the channels differ. The whole error of
+    /// directional lights, lux.
+    chromatic_error: f32,
     /// The first of its two children, the other follows; 0: a leaf.
     child: u32,
     /// Its lights in the order of the leaves.
@@ -76,31 +78,74 @@ struct Node {
     kind: Kind,
 }
 
-/// Which way the lights of a node shine, and how much they differ.
+/// The directions in which the lights of a node shine, and how much they differ.
 #[derive(Clone, Copy, Debug)]
 struct Orientation {
-    /// Unit; the mean of the ways they shine.
+    /// Unit; the mean direction in which they shine.
     axis: Vec3,
-    /// Cosine and sine of the largest angle between an axis and the mean; a half turn is (−1, 0).
-    cone: (f32, f32),
-    /// Root of the mean squared difference from the mean axis, by strength.
+    /// The largest angle between an axis and the mean.
+    cone: HalfAngle,
+    /// Root of the mean squared difference from the mean axis, weighted by strength.
     deviation: f32,
     /// Σ over channels of |Σ_i I_i (a_i − a)|, candela.
-    colour: f32,
-    shape: ConeStatistics,
+    chromatic_error: f32,
+    statistics: ConeStatistics,
 }
 
-/// Extremes over the lights of a node.
+/// An angle from 0 to π.
+#[derive(Clone, Copy, Debug)]
+struct HalfAngle {
+    cos: f32,
+    sin: f32,
+}
+
+/// The extremes of a number over the lights of a node.
+#[derive(Clone, Copy, Debug)]
+struct Extremes {
+    least: f32,
+    most: f32,
+}
+
+impl Extremes {
+    fn width(self) -> f32 {
+        self.most - self.least
+    }
+}
+
+/// What the bounds need to know of the emission of a node's lights.
 #[derive(Clone, Copy, Debug)]
 enum ConeStatistics {
-    /// A / π, m².
-    Patch { least: f32, most: f32 },
-    /// Cosines of the cones' edges (−2 and below: no cone), the largest scale, how much scale and offset differ in all; 1 / R².
-    Spot { inner: (f32, f32), outer: f32, scale: f32, difference: f32, inv_range2: (f32, f32) },
+    Patch {
+        /// A / π, m².
+        area_over_pi: Extremes,
+    },
+    Spot {
+        /// Cosines of the cones' inner edges; −2 without a cone.
+        inner: Extremes,
+        /// The least cosine of the cones' outer edges; −2 without a cone.
+        outer: f32,
+        /// The largest scale.
+        scale: f32,
+        /// How much scales and offsets differ in all.
+        difference: f32,
+        /// 1 / R².
+        inv_range2: Extremes,
+    },
+}
+
+/// A leaf of a node, chosen by strength.
+struct ChosenLeaf {
+    /// Its index in the order of the leaves.
+    leaf: usize,
+    /// The sum of strengths before the node.
+    before: f64,
+    /// The same, with the node's.
+    after: f64,
 }
 
 impl LightTree {
-    /// Memory of the trees over some samples while they are built, bytes: two nodes a light, and the lights once more.
+    /// Returns the memory that building the trees over some samples takes, bytes: two nodes for each light, and the
+    /// lights once more.
     pub(crate) fn bytes(samples: &LightSamples) -> u64 {
         let node = size_of::<Node>() + size_of::<SampledLight>() + size_of::<Orientation>();
         (samples.len() * (2 * node + size_of::<SampledLight>() + 32)) as u64
@@ -111,12 +156,13 @@ impl LightTree {
         self.lanes.len()
     }
 
-    /// Fills `lights` with what stands for the nodes of a cut; `nodes` gets the node of each lane, [`LightTree::NO_NODE`] for padding.
+    /// Fills `lights` with the representatives of a cut's nodes, and `nodes` with the node of each lane,
+    /// [`LightTree::NO_NODE`] for padding.
     pub(crate) fn pack(&self, cut: &[u32], lights: &mut LightSamples, nodes: &mut Vec<u32>) {
         lights.clear();
         nodes.clear();
         for &node in cut {
-            let lane = lights.push(&self.luminaires[node as usize]);
+            let lane = lights.push(&self.representatives[node as usize]);
             nodes.resize(lane, Self::NO_NODE);
             nodes.push(node);
         }
@@ -136,31 +182,32 @@ impl LightTree {
         first..first + count
     }
 
-    /// How far a node's box reaches from its mean place, metres.
+    /// Returns how far a node's box reaches from its representative, metres.
     pub(crate) fn radius(&self, node: u32) -> f32 {
-        let (node, place) = (&self.nodes[node as usize], self.luminaires[node as usize].position);
-        (node.max - place).max(place - node.min).length()
+        let (node, position) = (&self.nodes[node as usize], self.representatives[node as usize].position);
+        (node.max - position).max(position - node.min).length()
     }
 
-    /// The lane of one of a node's samples, chosen in proportion to strength by `u` in [0, 1), and its probability.
+    /// Chooses one of a node's samples in proportion to strength, by `u` in [0, 1). Returns its lane and its
+    /// probability.
     pub(crate) fn choose(&self, node: u32, u: f32) -> (usize, f32) {
-        let (place, before, total) = self.place_of(node, u);
-        let probability = (self.sums[place] - if place > 0 { self.sums[place - 1] } else { 0.0 }) / (total - before);
-        (self.lanes[place] as usize, probability as f32)
+        let ChosenLeaf { leaf, before, after } = self.find_leaf(node, u);
+        let probability = (self.sums[leaf] - if leaf > 0 { self.sums[leaf - 1] } else { 0.0 }) / (after - before);
+        (self.lanes[leaf] as usize, probability as f32)
     }
 
-    /// The lane of [`LightTree::choose`].
+    /// Returns the lane of [`LightTree::choose`] alone.
     pub(crate) fn representative(&self, node: u32, u: f32) -> usize {
-        self.lanes[self.place_of(node, u).0] as usize
+        self.lanes[self.find_leaf(node, u).leaf] as usize
     }
 
-    /// One of a node's samples, in the order of the leaves; the sums of strengths before the node and with it.
-    fn place_of(&self, node: u32, u: f32) -> (usize, f64, f64) {
+    /// Finds the leaf of a node at which the sum of strengths passes the part `u` of the node's.
+    fn find_leaf(&self, node: u32, u: f32) -> ChosenLeaf {
         let Node { first, count, .. } = self.nodes[node as usize];
         let (first, last) = (first as usize, (first + count) as usize - 1);
         let before = if first > 0 { self.sums[first - 1] } else { 0.0 };
         let target = before + f64::from(u) * (self.sums[last] - before);
-        let place = self.sums[first..last].partition_point(|&sum| sum <= target);
-        (first + place, before, self.sums[last])
+        let leaf = first + self.sums[first..last].partition_point(|&sum| sum <= target);
+        ChosenLeaf { leaf, before, after: self.sums[last] }
     }
 }

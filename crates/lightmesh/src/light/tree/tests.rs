@@ -122,8 +122,8 @@ fn falloffs() -> [Falloff; 2] {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// The claim of `bound.rs`, node by node: Σ |F_i| − |Σ F_i| + |Σ F_i − F|, summed over the channels, is at most the bound for
-    /// every receiver in the box, and nothing arrives where there is none.
+    /// The claim of `bound.rs`, node by node: Σ |F_i| − |Σ F_i| + |Σ F_i − F|, summed over the channels, is at most the
+    /// bound for every receiver in the box, and nothing arrives where there is none.
     #[test]
     fn no_node_is_further_wrong_than_its_bound(
         seed: u32, kind in 0..5_usize, count in 2..40_usize, size in 0.003_f32..1.0, width in 0.0_f32..1.5,
@@ -174,9 +174,10 @@ fn room(set: Set, dice: &mut Dice) -> Vec<LightSample> {
     all
 }
 
-/// The claim of `cut.rs`, for lights of a kind and for all kinds together: the error of the unshadowed irradiance, averaged over normals, is at
-/// random places, as the root of its mean square, below `error` times the mean irradiance over all normals, Σ |F_i| / 4. Single
-/// readings are held to four times as much: the worst were 3.6 (patches that look everywhere, 0.1), at 0.01 0.5 to 1.7.
+/// The claim of `cut.rs`, for lights of a kind and for all kinds together: the error of the unshadowed irradiance,
+/// averaged over normals, is at random places, as the root of its mean square, below `error` times the mean irradiance
+/// over all normals, Σ |F_i| / 4. Single readings are held to four times as much: the worst were 3.6 (patches that look
+/// everywhere, 0.1), at 0.01 0.5 to 1.7.
 #[test]
 fn sums_over_cuts_are_as_near_as_they_say() {
     let mut dice = Dice(7);
@@ -236,7 +237,8 @@ fn a_cut_without_error_is_every_light() {
     }
 }
 
-/// A bound that is never reached would refine for nothing: the largest error of 10,000 clusters of points is over a fifth of its.
+/// A bound that is never reached would refine for nothing: the largest error of 10,000 clusters of points is over a
+/// fifth of its.
 #[test]
 fn bounds_are_not_far_off() {
     let (mut dice, mut closest) = (Dice(11), 0.0_f32);

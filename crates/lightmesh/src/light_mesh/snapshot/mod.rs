@@ -1,95 +1,70 @@
-//! What a mesh knows, as plain arrays: for files, for other processes, and to look at.
+//! Snapshots: the points of a mesh as plain arrays, for files, other processes and analysis.
 //!
-//! A mesh only ever gains points, and the value of each depends on scene and settings alone. So a copy of the points since some time
-//! is all that another mesh of the same scene and settings lacks of what this one learned meanwhile, and it does not matter in which
-//! order copies are taken in.
+//! A mesh only ever gains points, and the value of each depends on scene and settings alone. So a snapshot of the
+//! points since some time brings another mesh of the same scene and settings up to date, and snapshots may be merged in
+//! any order.
 
-mod check;
 mod copy;
 mod merge;
 mod points;
 
+pub use crate::direct::DirectValues;
 use crate::mesh::LatticeShape;
 
-/// Points of a mesh: those that give light first, then those that were found inside solids or on surfaces and give none.
+/// Points of one mesh. Valid points have values; invalid ones are inside solids or on surfaces and have none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointSnapshot {
-    /// By level; level l has half the spacing of level l − 1.
+    /// The lattice of each level; level l has half the spacing of level l − 1.
     pub lattices: Vec<LatticeShape>,
-    /// Level and lattice coordinates of each point that gives light: `[level, i, j, k]`. N of them in what follows.
+    /// Level and lattice coordinates of each valid point, `[level, i, j, k]`. N is their number.
     pub addresses: Vec<[u32; 4]>,
-    /// For each of them, how far the next solid surface is along +x, −x, +y, −y, +z, −z: in 1/255 of its level's spacing, rounded down, at
-    /// most 254; 255: there is none before the neighbour.
+    /// For each valid point, the distance to the next opaque surface along +x, −x, +y, −y, +z, −z, in 1/255 of its
+    /// level's spacing, rounded down, at most 254. 255: there is no surface up to the neighbouring point.
     pub clearances: Vec<[u8; 6]>,
-    /// Level and lattice coordinates of each point that gives none.
+    /// Level and lattice coordinates of each invalid point.
     pub invalid: Vec<[u32; 4]>,
 }
 
-/// What is known of direct light. The variant follows from the method.
-#[derive(Clone, Debug, PartialEq)]
-pub enum DirectValues {
-    /// [`Method::Mesh`](crate::options::Method::MESH): shape (N, 6, 2, 3), lux. By point, for the planes that face +x, −x, +y, −y, +z, −z, the
-    /// irradiance that arrives and the one that would if nothing were in the way, RGB. (With another falloff than r², in its units.)
-    SixAxis(Vec<f32>),
-    /// [`Method::Paper`](crate::options::Method::PAPER): shape (N, 2, 3). DirectLight of formula (1), RGB, and what it is divided by.
-    Scalar(Vec<f32>),
-    /// What is known of each single light: a bit per light in two rows, lowest first. Both set: all of its light arrives; none: nothing
-    /// does; only the second: some does, or the point cannot tell.
-    Lights {
-        /// W, words of a row.
-        words: u32,
-        /// Shape (N, 2, W).
-        bits: Vec<u64>,
-    },
-    /// The same where lights are clusters: by point some runs, `leaf · 4 + state` of the light from which on the state holds, in the
-    /// order of the light tree's leaves, the first for leaf 0; state 0 unknown, 1 nothing arrives, 2 all of it does.
-    Runs {
-        /// By point, where its runs end.
-        ends: Vec<u64>,
-        /// All runs, point by point.
-        runs: Vec<u32>,
-    },
-}
-
-/// The direct mesh's contents.
+/// Points of the direct mesh with their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectSnapshot {
-    /// Its points.
+    /// The points.
     pub points: PointSnapshot,
-    /// What they know.
+    /// Their values.
     pub values: DirectValues,
 }
 
-/// The indirect mesh's contents.
+/// Points of the indirect mesh with their values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndirectSnapshot {
-    /// Its points.
+    /// The points.
     pub points: PointSnapshot,
-    /// The most reflections: there are values for 0 to so many.
+    /// B: there are values for 0 to B diffuse reflections.
     pub bounces: u32,
-    /// S: 6, or 1 with [`Method::Paper`](crate::options::Method::PAPER).
+    /// S, the number of cube faces: 6, or 1 with [`Method::Paper`](crate::options::Method::Paper).
     pub faces: u32,
-    /// Shape (bounces + 1, N, S, 3). By number of reflections and point, for the planes that face +x, −x, +y, −y, +z, −z, the irradiance that
-    /// arrives after so many diffuse reflections or fewer, RGB, lux; light that comes straight from lamps is not in it. Where S is 1,
-    /// IndirectLight of formula (4): a quarter of it is the irradiance on any plane, were the light even.
+    /// Shape (B + 1, N, S, 3), RGB, lux. For each number of reflections k, each point and each plane that faces +x, −x,
+    /// +y, −y, +z, −z: the irradiance after k diffuse reflections or fewer, without the light that comes straight from
+    /// lamps. Where S is 1: IndirectLight of formula (4); if the light is the same from all sides, a quarter of it is
+    /// the irradiance on any plane.
     pub values: Vec<f32>,
-    /// Sum of the direct irradiances (mean over channels, lux) where gather rays ended: for the estimate of
+    /// The sum of the direct irradiances (mean over channels, lux) at the ends of gather rays, for the estimate of
     /// [`RenderStats::truncated_light`](crate::RenderStats::truncated_light).
     pub hit_irradiance: f64,
-    /// How many they were.
+    /// The number of irradiances in that sum.
     pub hit_count: u64,
 }
 
-/// A copy of what a [`LightMesh`](crate::LightMesh) knows, or of what it learned since some time.
+/// A copy of all points of a [`LightMesh`](crate::LightMesh), or of those that it has gained since some time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// Of direct light.
+    /// Direct light.
     pub direct: DirectSnapshot,
-    /// Of indirect light, where the mesh has any.
+    /// Indirect light, where the mesh has any.
     pub indirect: Option<IndirectSnapshot>,
 }
 
-/// How much a mesh knew at some time. The default: nothing.
+/// A state of a mesh in time: which points it has. The default is the empty mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cursor {
     direct: PointCursor,
@@ -97,7 +72,7 @@ pub struct Cursor {
     hit_irradiance: (f64, u64),
 }
 
-/// Points of one mesh.
+/// How many points one mesh has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PointCursor {
     pub valid: usize,
@@ -105,17 +80,17 @@ pub(crate) struct PointCursor {
 }
 
 impl PointSnapshot {
-    /// Positions of the points that give light, metres: shape (N, 3).
+    /// Returns the positions of the valid points, metres: shape (N, 3).
     pub fn positions(&self) -> Vec<[f32; 3]> {
         self.positions_of(&self.addresses)
     }
 
-    /// Positions of the points that give none, metres.
+    /// Returns the positions of the invalid points, metres.
     pub fn invalid_positions(&self) -> Vec<[f32; 3]> {
         self.positions_of(&self.invalid)
     }
 
-    /// Of addresses that lead nowhere NaN.
+    /// Returns positions; NaN for addresses on levels that there are not.
     fn positions_of(&self, addresses: &[[u32; 4]]) -> Vec<[f32; 3]> {
         let position = |&[level, i, j, k]: &[u32; 4]| {
             self.lattices.get(level as usize).map_or([f32::NAN; 3], |lattice| lattice.position([i, j, k]))
@@ -125,7 +100,8 @@ impl PointSnapshot {
 }
 
 impl IndirectSnapshot {
-    /// What arrives after so many reflections or fewer: shape (N, S, 3), as in [`IndirectSnapshot::values`]. Empty for more than there are.
+    /// Returns the irradiance after `bounces` reflections or fewer: shape (N, S, 3), as in
+    /// [`IndirectSnapshot::values`]; empty if `bounces` is more than [`IndirectSnapshot::bounces`].
     pub fn after(&self, bounces: u32) -> &[f32] {
         let one = self.points.addresses.len() * self.faces as usize * 3;
         let first = (bounces as usize).saturating_mul(one);
@@ -134,7 +110,7 @@ impl IndirectSnapshot {
 }
 
 impl Snapshot {
-    /// How many points there are, those that give no light too.
+    /// Returns the number of valid and invalid points of both meshes.
     pub fn point_count(&self) -> u64 {
         let count = |points: &PointSnapshot| (points.addresses.len() + points.invalid.len()) as u64;
         count(&self.direct.points) + self.indirect.as_ref().map_or(0, |indirect| count(&indirect.points))

@@ -3,13 +3,12 @@
 use crate::common::*;
 
 use glam::Vec3;
-use lightmesh::filling::{self, BounceValues, BrickMask, GatherBatch, PointRequests};
-use lightmesh::portions::{self, PictureSamples};
+use lightmesh::distributed::{self, BounceValues, BrickMask, GatherBatch, PictureSamples, PointRequests, WaveRequest};
 use lightmesh::{Error, Interpolation, LightMesh, Method, RenderOptions, Scene, Snapshot, render};
 
-/// Every point that a picture reads is wanted before: filled by then, none is left for the picture.
+/// Every point that a picture reads is requested before: when those are filled, none is left for the picture.
 #[test]
-fn demand_is_what_a_picture_reads() {
+fn requested_points_are_those_that_a_picture_reads() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
     let camera = room_camera();
     for method in [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED] {
@@ -23,16 +22,17 @@ fn demand_is_what_a_picture_reads() {
                 o.mesh.interpolation = interpolation;
             });
             let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
-            let prepared = portions::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
+            let prepared = distributed::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
             for _ in 0..mesh.level_count() {
                 let mut wanted = PointRequests::default();
-                for i in 0..portions::wave_count(&options).expect("count") {
-                    let part = (&prepared, PictureSamples::All, i..i + 1);
-                    let more = filling::demand(&scene, &camera, &options, &mut mesh, part, &()).expect("wanted");
+                for i in 0..distributed::wave_count(&options).expect("count") {
+                    let request = WaveRequest { prepared: &prepared, samples: PictureSamples::All, waves: i..i + 1 };
+                    let more = distributed::requested_points(&scene, &camera, &options, &mut mesh, request, &())
+                        .expect("wanted");
                     wanted.merge(&more);
                 }
                 let before = mesh.stats().points_used;
-                filling::fill_direct(&scene, &options, &mut mesh, &wanted.direct, &()).expect("filled");
+                distributed::fill_direct(&scene, &options, &mut mesh, &wanted.direct, &()).expect("filled");
                 assert_eq!(mesh.stats().points_used - before, wanted.len(), "{method:?} {refine:?}");
             }
             let frame = render(&scene, &camera, &options, &mut mesh, &()).expect("frame");
@@ -50,16 +50,17 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
     let mut meshes = [new(), new(), new()];
     let prepared: Vec<_> = meshes
         .iter_mut()
-        .map(|mesh| portions::prepare(scene, &camera, options, mesh, &()).expect("prepared"))
+        .map(|mesh| distributed::prepare(scene, &camera, options, mesh, &()).expect("prepared"))
         .collect();
     let mut gathered_for = PointRequests::default();
     for _ in 0..meshes[0].level_count() {
         // Waves in turn.
         let mut wanted = PointRequests::default();
-        for i in 0..portions::wave_count(options).expect("count") {
+        for i in 0..distributed::wave_count(options).expect("count") {
             let at = i as usize % 2;
-            let part = (&prepared[at], PictureSamples::All, i..i + 1);
-            let more = filling::demand(scene, &camera, options, &mut meshes[at], part, &()).expect("wanted");
+            let request = WaveRequest { prepared: &prepared[at], samples: PictureSamples::All, waves: i..i + 1 };
+            let more =
+                distributed::requested_points(scene, &camera, options, &mut meshes[at], request, &()).expect("wanted");
             wanted.merge(&more);
         }
 
@@ -84,7 +85,7 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
         // Bricks of direct light in turn, the last first.
         let learned: Vec<Snapshot> = (wanted.direct.chunks(3).rev().zip([0, 1].into_iter().cycle()))
             .map(|(bricks, at)| {
-                filling::fill_direct(scene, options, &mut meshes[at], bricks, &()).expect("filled");
+                distributed::fill_direct(scene, options, &mut meshes[at], bricks, &()).expect("filled");
                 let of = PointRequests { direct: bricks.to_vec(), indirect: Vec::new() };
                 meshes[at].snapshot_of(&of).expect("contents")
             })
@@ -104,8 +105,8 @@ fn fill_by_two(scene: &Scene, options: &RenderOptions) -> LightMesh {
             below = BounceValues::merge(&parts);
         }
         for group in &groups {
-            let contents = group.contents(&meshes[0]).expect("all levels");
-            meshes.iter_mut().for_each(|mesh| mesh.merge(&contents).expect("absorbed"));
+            let snapshot = group.snapshot(&meshes[0]).expect("all levels");
+            meshes.iter_mut().for_each(|mesh| mesh.merge(&snapshot).expect("absorbed"));
         }
     }
     let [_, _, mesh] = meshes;
@@ -160,9 +161,9 @@ fn bricks_of_another_mesh_are_refused() {
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     for (level, brick) in [(1, 0), (0, u32::MAX)] {
         let bricks = [BrickMask { level, brick, mask: [1; 8] }];
-        let direct = filling::fill_direct(&scene, &options, &mut mesh, &bricks, &()).expect_err("no such brick");
+        let direct = distributed::fill_direct(&scene, &options, &mut mesh, &bricks, &()).expect_err("no such brick");
         assert!(direct.to_string().contains("another mesh"), "{direct}");
-        let indirect = filling::GatherBatch::new(&scene, &options, &mesh, &bricks, &());
+        let indirect = GatherBatch::new(&scene, &options, &mesh, &bricks, &());
         assert!(matches!(indirect, Err(Error::InvalidBricks { .. })));
     }
     assert_eq!(mesh.stats().points_used, 0);

@@ -1,4 +1,4 @@
-//! Some waves of a pass: what they bring to the film, taken off it and put on another one.
+//! Some waves of a pass: their light, copied from one film to another.
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ impl Film {
         self.sample_count().div_ceil(self.samples_per_wave())
     }
 
-    /// Lets the pass begin and end with some of its waves.
-    pub(crate) fn begin_portion(&mut self, waves: Range<u64>) {
+    /// Restricts the pass to some of its waves.
+    pub(crate) fn begin_waves(&mut self, waves: Range<u64>) {
         let (wave, all) = (self.samples_per_wave(), self.sample_count());
         self.pass.done = (waves.start * wave).min(all);
         self.pass.end = Some((waves.end * wave).min(all));
     }
 
     /// The pixels of some waves of the pass, in the order in which they are sampled.
-    pub(crate) fn portion_pixels(&self, waves: Range<u64>) -> Vec<u32> {
+    pub(crate) fn wave_pixels(&self, waves: Range<u64>) -> Vec<u32> {
         let wave = self.samples_per_wave() / self.pass.samples_per_pixel();
         let all = self.pass_pixels();
         let numbers = (waves.start * wave).min(all)..(waves.end * wave).min(all);
@@ -28,12 +28,12 @@ impl Film {
         }
     }
 
-    /// Values that a pixel has: three of light and those of the layers.
+    /// How many values a pixel has: three of light and those of the layers.
     pub(crate) fn channels(&self) -> usize {
         3 + self.layers.channels()
     }
 
-    /// The sums of some pixels, [`Film::channels`] of each.
+    /// Returns the sums of some pixels, [`Film::channels`] of each.
     pub(crate) fn copy_pixels(&self, pixels: &[u32]) -> Vec<f32> {
         let mut values = Vec::with_capacity(pixels.len() * self.channels());
         for &pixel in pixels {
@@ -43,31 +43,27 @@ impl Film {
         values
     }
 
-    /// Takes sums of some pixels as [`Film::copy_pixels`] gave them.
-    pub(crate) fn put_pixels(&mut self, pixels: &[u32], values: &[f32]) {
+    /// Sets the sums of some pixels to those that [`Film::copy_pixels`] gave.
+    pub(crate) fn set_pixels(&mut self, pixels: &[u32], values: &[f32]) {
         for (&pixel, values) in pixels.iter().zip(values.chunks_exact(self.channels())) {
             self.sums[pixel as usize] = glam::Vec3::from_slice(values);
             self.layers.copy_from(pixel, &values[3..]);
         }
     }
 
-    /// Counts the whole pass as done.
+    /// Marks the whole pass as done.
     pub(crate) fn end_pass(&mut self) {
         self.pass.end = None;
         self.pass.done = self.sample_count();
     }
 
-    /// What samples of some pixels saw; empty where nobody asks.
+    /// Whether samples of some pixels met emitters; empty where the film does not collect that.
     pub(crate) fn copy_seen(&self, pixels: &[u32]) -> Vec<u8> {
-        if self.emitter_seen.is_empty() {
-            Vec::new()
-        } else {
-            pixels.iter().map(|&pixel| self.emitter_seen[pixel as usize]).collect()
-        }
+        if self.seen.is_empty() { Vec::new() } else { pixels.iter().map(|&pixel| self.seen[pixel as usize]).collect() }
     }
 
-    /// Takes what samples saw of all pixels, row by row; which of them are lamps' outlines follows from it.
-    pub(crate) fn put_seen(&mut self, seen: &[u8]) {
-        self.emitter_seen = seen.to_vec();
+    /// Takes whether samples of all pixels met emitters, row by row; from that follow the pixels on edges of emitters.
+    pub(crate) fn set_seen(&mut self, seen: &[u8]) {
+        self.seen = seen.to_vec();
     }
 }

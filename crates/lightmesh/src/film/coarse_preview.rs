@@ -1,4 +1,4 @@
-//! A first look at a picture: the first sample of every few pixels, shown as blocks.
+//! A coarse preview of a picture: the first sample of every few pixels, shown as blocks.
 
 use glam::Vec3;
 
@@ -14,8 +14,8 @@ pub(super) struct CoarsePreview {
 }
 
 impl CoarsePreview {
-    /// The pixels that a sketch of this stride takes samples of, where there is one that is coarser by a power of two: its
-    /// own are not sampled again.
+    /// Returns the pixels that a preview of this stride samples. Those that a coarser one has, whose stride is a
+    /// multiple, are not sampled again.
     pub(super) fn pixels(order: TileOrder, stride: u32, coarser: Option<&Self>) -> Vec<u32> {
         let grid = (0..order.height).step_by(stride as usize).flat_map(|y| {
             let row = (0..order.width).step_by(stride as usize);
@@ -24,13 +24,13 @@ impl CoarsePreview {
         grid.filter(|&(x, y)| !coarser.is_some_and(|c| c.samples(x, y))).map(|(x, y)| y * order.width + x).collect()
     }
 
-    /// The sketch from what its pixels got in `sums`, which is cleared there, and from the coarser one.
+    /// Makes the preview of the sums of its pixels, which it clears, and of the coarser one.
     pub(crate) fn take(order: TileOrder, stride: u32, coarser: Option<&Self>, sums: &mut [Vec3]) -> Self {
         let mut blocks = Vec::new();
         for y in (0..order.height).step_by(stride as usize) {
             for x in (0..order.width).step_by(stride as usize) {
                 blocks.push(match coarser {
-                    Some(coarser) if coarser.samples(x, y) => coarser.at(x, y),
+                    Some(coarser) if coarser.samples(x, y) => coarser.color_at(x, y),
                     _ => std::mem::take(&mut sums[(y * order.width + x) as usize]),
                 });
             }
@@ -38,8 +38,8 @@ impl CoarsePreview {
         Self { stride, columns: order.width.div_ceil(stride), blocks }
     }
 
-    /// What it shows at a pixel.
-    pub(super) fn at(&self, x: u32, y: u32) -> Vec3 {
+    /// The colour that it shows at a pixel.
+    pub(super) fn color_at(&self, x: u32, y: u32) -> Vec3 {
         self.blocks[(y / self.stride * self.columns + x / self.stride) as usize]
     }
 
@@ -53,25 +53,25 @@ impl CoarsePreview {
 mod tests {
     use super::*;
 
-    /// Two sketches sample each pixel of the finer grid once; the finer one shows them all and leaves the sums empty.
+    /// Two previews sample each pixel of the finer grid once; the finer one shows them all and leaves the sums empty.
     #[test]
-    fn a_finer_sketch_goes_on_from_a_coarser_one() {
+    fn a_finer_preview_goes_on_from_a_coarser_one() {
         let order = TileOrder { width: 21, height: 10 };
         let mut sums = vec![Vec3::ZERO; order.len()];
         let mut taken = Vec::new();
-        let mut sketch = None;
+        let mut preview = None;
         for stride in [8, 4] {
-            let pixels = CoarsePreview::pixels(order, stride, sketch.as_ref());
+            let pixels = CoarsePreview::pixels(order, stride, preview.as_ref());
             pixels.iter().for_each(|&p| sums[p as usize] = Vec3::splat(1.0 + p as f32));
             taken.extend(pixels);
-            sketch = Some(CoarsePreview::take(order, stride, sketch.as_ref(), &mut sums));
+            preview = Some(CoarsePreview::take(order, stride, preview.as_ref(), &mut sums));
         }
-        let sketch = sketch.expect("a sketch");
+        let preview = preview.expect("a preview");
         taken.sort_unstable();
         let grid = (0..10).step_by(4).flat_map(|y| (0..21).step_by(4).map(move |x| y * 21 + x));
         assert!(taken.into_iter().eq(grid));
         assert!(sums.iter().all(|&sum| sum == Vec3::ZERO));
-        assert_eq!(sketch.at(20, 9), Vec3::splat(1.0 + (8 * 21 + 20) as f32));
-        assert_eq!(sketch.at(3, 7), Vec3::splat(1.0 + (4 * 21) as f32));
+        assert_eq!(preview.color_at(20, 9), Vec3::splat(1.0 + (8 * 21 + 20) as f32));
+        assert_eq!(preview.color_at(3, 7), Vec3::splat(1.0 + (4 * 21) as f32));
     }
 }

@@ -1,0 +1,97 @@
+//! Direct light along six axes: an ambient cube of pairs.
+//!
+//! Point p has the values `12 p .. 12 (p + 1)`. Face s, one of +x, −x, +y, −y, +z, −z in this order, has two of them,
+//! each RGB:
+//!
+//! - value `12 p + 2 s`: Σ V_i E_i · cos / φ3, the irradiance on a plane that faces this way,
+//! - value `12 p + 2 s + 1`: the same sum without V_i, what would arrive if nothing were in the way.
+//!
+//! Example: the unshadowed light on the −y face (s = 3) of point 2 is value 12 · 2 + 2 · 3 + 1 = 31. A surface of
+//! normal n sums the three faces that n points to, each times the square of its component of n.
+//!
+//! Readers sum both over the points around them and divide last, so that a point close to a lamp, which receives most
+//! of the light, weighs most. (Dividing at each point instead costs half the memory; measured on the room of 15 / 100
+//! lights at 1/80 of its length: error 6.0 / 3.5% instead of 5.0 / 2.9%.)
+
+use glam::{Vec3, Vec4};
+
+use super::super::point_lights::PointLights;
+use super::plain_arrays::{check_finite, check_length, rgb, values};
+use super::{ArrivingLight, DirectValues};
+use crate::mesh::AmbientCube;
+use crate::{Error, Falloff};
+
+/// Values of a point: six faces, visible and unshadowed.
+const STRIDE: usize = 12;
+
+/// The values of all points.
+#[derive(Debug)]
+pub(crate) struct SixAxis {
+    /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
+    pub(super) falloff: Falloff,
+    values: Vec<Vec4>,
+}
+
+impl SixAxis {
+    /// What the encoding keeps, for messages.
+    pub(super) const NAME: &str = "six axes";
+    /// Memory of a point, bytes.
+    pub(super) const BYTES_PER_POINT: u64 = (STRIDE * size_of::<Vec4>()) as u64;
+
+    /// No points.
+    pub(super) fn new(falloff: Falloff) -> Self {
+        Self { falloff, values: Vec::new() }
+    }
+
+    /// Returns the values of a point: formula (1) for each face, with and without V_i.
+    pub(super) fn evaluate(lights: &PointLights<'_>) -> [Vec4; STRIDE] {
+        let mut values = [Vec4::ZERO; STRIDE];
+        for light in lights.iter() {
+            let intensity = (light.intensity * light.f).extend(0.0);
+            for (axis, component) in light.direction.to_array().into_iter().enumerate() {
+                let face = 2 * axis + usize::from(component < 0.0);
+                let e = intensity * component.abs();
+                values[2 * face] += e * light.visible.extend(0.0);
+                values[2 * face + 1] += e;
+            }
+        }
+        values
+    }
+
+    /// Stores the values of the next point.
+    pub(super) fn push(&mut self, values: &[Vec4; STRIDE]) {
+        self.values.extend_from_slice(values);
+    }
+
+    /// Returns the light of a point on a surface of normal `n`.
+    #[inline(always)]
+    pub(super) fn project(&self, index: u32, n: Vec3) -> ArrivingLight {
+        let values = &self.values[index as usize * STRIDE..][..STRIDE];
+        let AmbientCube { faces, squares } = AmbientCube::facing(n);
+        let [x, y, z] = faces.map(|face| 2 * face);
+        let visible = values[x] * squares.x + values[y] * squares.y + values[z] * squares.z;
+        let unshadowed = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
+        ArrivingLight { visible, unshadowed }
+    }
+
+    /// Returns the memory of all points, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(self.values.as_slice()) as u64
+    }
+
+    /// Copies some points: shape (N, 6, 2, 3).
+    pub(super) fn snapshot(&self, indices: impl Iterator<Item = u32>) -> DirectValues {
+        DirectValues::SixAxis(indices.flat_map(|i| rgb(&self.values[i as usize * STRIDE..][..STRIDE])).collect())
+    }
+
+    /// Refuses what cannot be the values of this number of points.
+    pub(super) fn check(numbers: &[f32], points: usize) -> Result<(), Error> {
+        check_length("direct values", numbers.len(), &[points, 6, 2, 3])?;
+        check_finite("direct values", numbers)
+    }
+
+    /// Stores point i of a snapshot as the next one.
+    pub(super) fn push_snapshot(&mut self, numbers: &[f32], i: usize) {
+        self.values.extend(values(&numbers[i * STRIDE * 3..][..STRIDE * 3]));
+    }
+}
