@@ -217,7 +217,10 @@ fn argument(Choice { about, default }: Choice) -> clap::Arg {
         Kind::Words(words) => {
             let possible = words.iter().map(|(word, help)| PossibleValue::new(*word).help(*help));
             let parser = clap::builder::PossibleValuesParser::new(possible);
-            argument.value_delimiter(',').value_parser(clap::builder::TypedValueParser::map(parser, Value::Text))
+            argument
+                .action(clap::ArgAction::Append)
+                .value_delimiter(',')
+                .value_parser(clap::builder::TypedValueParser::map(parser, Value::Text))
         }
         Kind::Whole(..) => argument.value_parser(read).allow_negative_numbers(true),
         Kind::Real(_) | Kind::Size | Kind::Syntax { .. } => argument.value_parser(read).allow_hyphen_values(true),

@@ -134,9 +134,14 @@ mod tests {
 
     #[test]
     fn what_is_said_reaches_the_options() {
-        let options = options(&["--method", "exact", "--graded", "2.5", "--aov", "depth,albedo", "--spacing", "1/80"]);
-        assert_eq!((options.method, options.mesh.lod_distance), (Method::Standard, Some(2.5)));
+        let options = options(&["--graded", "2.5", "--aov", "depth", "--aov", "albedo", "--spacing", "1/80"]);
+        assert_eq!((options.method, options.mesh.lod_distance), (Method::MESH, Some(2.5)));
         assert_eq!((options.picture.aovs.iter().count(), options.mesh.spacing), (2, Spacing::Fraction(80.0)));
+    }
+
+    #[test]
+    fn exact_is_standard() {
+        assert_eq!(options(&["--method", "exact"]), options(&["--method", "standard"]));
     }
 
     /// With a time limit, samples are as many as there is time for, unless a number is said.

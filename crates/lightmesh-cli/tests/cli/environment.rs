@@ -145,10 +145,10 @@ fn bad_values_are_one_line_and_exit_2() {
         ("--environment 1e30,0,0", &["plane.gltf", "environment", "radiance"]),
         ("--environment-strength -1", &["--environment-strength"]),
         ("--environment-strength nan", &["--environment-strength"]),
-        ("--environment-rotation north", &["--environment-rotation", "degrees"]),
+        ("--environment-rotation north", &["--environment-rotation", "must be a number"]),
         ("--light-samples 0", &["--light-samples"]),
         ("--light-samples 65537", &["--light-samples"]),
-        ("--light-radius -0.1", &["--light-radius", "metres"]),
+        ("--light-radius -0.1", &["--light-radius", "0 or more"]),
         ("--light-radius inf", &["--light-radius"]),
     ] {
         place.run(&format!("render plane.gltf -o a.exr {args}")).exits(2).says(words);

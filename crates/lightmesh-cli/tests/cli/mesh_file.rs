@@ -39,8 +39,11 @@ fn a_mesh_of_another_scene_or_of_other_settings_is_refused() {
     place.write("cut.mesh", "short");
     for (line, words) in [
         ("render other.gltf --bounces 1 --mesh a.mesh", &["a.mesh", "another scene"][..]),
-        ("render scene.gltf --bounces 1 --mesh a.mesh --spacing 1/80", &["a.mesh", "settings", "spacing"]),
-        ("render scene.gltf --bounces 2 --mesh a.mesh", &["a.mesh", "1 bounces, not 2"]),
+        (
+            "render scene.gltf --bounces 1 --mesh a.mesh --spacing 1/80",
+            &["a.mesh", "made with spacing auto", "ask for 1/80"],
+        ),
+        ("render scene.gltf --bounces 2 --mesh a.mesh", &["a.mesh", "bounces 1, and the options ask for 2"]),
         ("render scene.gltf --mesh none.mesh", &["none.mesh", "No such file"]),
         ("render scene.gltf --mesh cut.mesh", &["cut.mesh", "5 bytes"]),
         ("render scene.gltf --mesh a.mesh --method path", &["--mesh", "path has no light mesh"]),

@@ -60,8 +60,9 @@ impl Interpolation {
     /// Radius of the sphere where none is said, in spacings.
     pub const DEFAULT_RADIUS: f32 = 1.5;
 
-    pub(super) const EXPECTED: &'static str = "auto, trilinear, trilinear:RULE with the rule zero, nearest, mirror or one, \
-                                               nearest, sphere, or sphere:R with R above 0 and at most 16 spacings";
+    pub(super) const EXPECTED: &'static str = "auto, trilinear, trilinear:zero, trilinear:nearest, trilinear:mirror, \
+                                               trilinear:one, nearest, sphere, or sphere:R with R above 0 and at most 16 \
+                                               spacings";
 }
 
 impl FromStr for Interpolation {
