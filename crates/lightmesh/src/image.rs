@@ -94,7 +94,7 @@ impl std::ops::AddAssign for Seconds {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RenderStats {
-    /// Samples that every pixel has; fewer than [`RenderOptions::spp`](crate::options::RenderOptions::spp) if the time
+    /// Samples that every pixel has; fewer than [`PictureOptions::spp`](crate::PictureOptions::spp) if the time
     /// limit was reached: some pixels may then have an eighth more, or one more. Pixels on emitter edges have more
     /// (64).
     pub spp: u32,
@@ -115,7 +115,7 @@ pub struct RenderStats {
     /// How many of the shadow rays were traced from mesh points.
     pub fill_shadow_rays: u64,
     /// The estimated error of the picture, RMS relative to its mean, if
-    /// [`RenderOptions::error`](crate::options::RenderOptions::error) is set; 0: its light is exact.
+    /// the error of [`Method::Mesh`](crate::Method::Mesh) is set; 0: its light is exact.
     pub estimated_error: Option<f64>,
     /// The estimated light of bounces after the last one, as a part of all light; `None` without an estimate.
     pub truncated_light: Option<f64>,

@@ -12,7 +12,7 @@ pub enum Stage {
     /// Rendering a coarse preview for a [`Viewer`]; counts samples.
     CoarsePreview,
     /// Comparing pixels with their exact light, to keep to
-    /// [`RenderOptions::error`](crate::options::RenderOptions::error); counts samples.
+    /// the error of [`Method::Mesh`](crate::Method::Mesh); counts samples.
     Check,
     /// Finding the mesh points that a picture's samples read; counts samples.
     Demand,

@@ -27,7 +27,7 @@ pub struct Measured {
 /// | method | direct | indirect |
 /// |---|---|---|
 /// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`] | read from `mesh`, which is filled as needed | the same |
-/// | [`Method::Unbiased`] | [`RenderOptions::rays`] shadow rays, the mesh as control variate | as many gather rays |
+/// | [`Method::Unbiased`] | its number of shadow rays, the mesh as control variate | as many gather rays |
 /// | [`Method::Standard`] | a shadow ray to every light sample | none |
 /// | [`Method::Path`] | [`PictureOptions::spp`](crate::PictureOptions::spp) samples | their paths |
 ///

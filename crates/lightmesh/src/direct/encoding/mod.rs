@@ -97,8 +97,8 @@ impl ArrivingLight {
 }
 
 impl DirectEncoding {
-    /// Returns the encoding that a method reads, without points. Where lights are clusters, `cluster_leaves` is the number
-    /// of leaves of their tree.
+    /// Returns the encoding that a method reads, without points. Where lights are clusters, `cluster_leaves` is the
+    /// number of leaves of their tree.
     pub(super) fn new(scene: &Scene, cluster_leaves: Option<u32>, options: &RenderOptions) -> Self {
         let falloff = options.transport.falloff;
         match MeshKey::of(options).kind {

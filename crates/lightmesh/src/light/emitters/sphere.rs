@@ -23,7 +23,7 @@ pub(crate) fn sample_unit_ball(u: Vec3) -> Vec3 {
     Vec3::new(s * libm::cosf(phi), s * libm::sinf(phi), z) * libm::sinf(angle(u.x))
 }
 
-/// The a of [`sample_ball`], by bisection: 24 steps leave 2⁻²⁴ · π/2.
+/// The a of [`sample_unit_ball`], by bisection: 24 steps leave 2⁻²⁴ · π/2.
 fn angle(u: f32) -> f32 {
     let (mut low, mut high) = (0.0, FRAC_PI_2);
     for _ in 0..24 {
