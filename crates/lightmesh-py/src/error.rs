@@ -66,8 +66,8 @@ impl Raise for lightmesh::Error {
             Error::IncompatibleMesh { .. }
             | Error::InvalidBricks { .. }
             | Error::InvalidWaves { .. }
-            | Error::InvalidPortions { .. }
-            | Error::InvalidOutlines { .. }
+            | Error::InvalidParts { .. }
+            | Error::InvalidEmitterEdges { .. }
             | Error::InvalidReflection { .. } => option(py, self.to_string()),
             Error::OutOfMemory { .. } => memory(py, without_dashes(&self.to_string())),
             Error::Cancelled => PyKeyboardInterrupt::new_err(()),

@@ -43,13 +43,13 @@ pub enum Error {
     },
     /// Parts that do not make up a picture.
     #[error("portions: {what}")]
-    InvalidPortions {
+    InvalidParts {
         /// What is wrong and what to check.
         what: String,
     },
     /// Outlines of emitters that a picture does not have.
     #[error("outlines: {what}")]
-    InvalidOutlines {
+    InvalidEmitterEdges {
         /// What is wrong and what to check.
         what: String,
     },

@@ -107,7 +107,7 @@ fn parts_that_do_not_fit_together_are_refused() {
     let mut machine = Machine::new(&scene, &camera, &options);
     let [first, second] = [0..1, 1..2].map(|waves| machine.render(PictureSamples::All, waves).expect("part"));
     let message = |parts: &[PartialImage]| match distributed::merge_images(&scene, &camera, &options, parts, None) {
-        Err(Error::InvalidPortions { what }) => what,
+        Err(Error::InvalidParts { what }) => what,
         other => panic!("{other:?}"),
     };
     assert!(message(&[]).contains("waves 0 to 2 are missing"));

@@ -173,7 +173,7 @@ pub fn render_waves(
 /// anew.
 ///
 /// # Errors
-/// [`Error::InvalidPortions`] where waves are missing or twice, or not of this picture.
+/// [`Error::InvalidParts`] where waves are missing or twice, or not of this picture.
 pub fn find_emitter_edges(
     scene: &Scene,
     camera: &Camera,
@@ -205,7 +205,7 @@ pub fn find_emitter_edges(
 /// over the parts.
 ///
 /// # Errors
-/// [`Error::InvalidPortions`] where waves are missing or twice, or not of this picture.
+/// [`Error::InvalidParts`] where waves are missing or twice, or not of this picture.
 pub fn merge_images(
     scene: &Scene,
     camera: &Camera,
@@ -246,7 +246,7 @@ fn in_order<'a>(film: &Film, parts: &'a [PartialImage]) -> Result<Vec<&'a Partia
     let ends = [0].into_iter().chain(sorted.iter().map(|part| part.waves.end));
     if let Some((end, start)) = ends.zip(starts).find(|(end, start)| end != start) {
         let what = format!("waves {} to {} are missing or there twice", end.min(start), end.max(start));
-        return Err(Error::InvalidPortions { what });
+        return Err(Error::InvalidParts { what });
     }
     Ok(sorted)
 }
@@ -256,7 +256,7 @@ fn check_length(what: &str, length: usize, expected: usize) -> Result<(), Error>
         return Ok(());
     }
     let what = format!("{what} has {length} numbers, not {expected}: it is of another picture");
-    Err(Error::InvalidPortions { what })
+    Err(Error::InvalidParts { what })
 }
 
 /// Turns to the pixels on emitter edges.
@@ -266,7 +266,7 @@ fn turn_to(film: &mut Film, edges: &EmitterEdges) -> Result<(), Error> {
     if film.begin_emitter_edges(u64::MAX) {
         return Ok(());
     }
-    Err(Error::InvalidOutlines { what: "no pixel of this picture is on one".into() })
+    Err(Error::InvalidEmitterEdges { what: "no pixel of this picture is on one".into() })
 }
 
 /// Refuses options that need the whole picture at once.
