@@ -55,8 +55,8 @@ pub const SURROUNDINGS: [Entry<Surroundings>; 6] = [
                 numbers: false,
             },
             value_name: "FILE|COLOUR",
-            help: "Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its middle is \
-                   +X, its top +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)",
+            help: "Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its \
+                   middle is +X, its top +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)",
             ..EMITTER
         },
         get: |o| o.emitters.environment.as_ref().map(Value::text),

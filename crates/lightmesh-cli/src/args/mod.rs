@@ -63,7 +63,13 @@ pub(crate) struct InfoArgs {
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Most memory that reading may take, in B, KB, MB, GB, KiB, MiB or GiB
-    #[arg(long, value_name = "SIZE", default_value_t = spell_bytes(Limits::default().max_memory), value_parser = bytes, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "SIZE",
+        default_value_t = spell_bytes(Limits::default().max_memory),
+        value_parser = bytes,
+        allow_hyphen_values = true
+    )]
     max_memory: String,
 }
 

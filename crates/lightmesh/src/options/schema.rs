@@ -204,9 +204,9 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             name: "error",
             kind: Kind::Real(Range::Positive),
             value_name: "E",
-            help: "Keep the error of the light, relative to the picture's mean, at most so large (0.05 is 5%); with --method \
-                   mesh: it then reads the mesh light by light and shoots as many shadow rays as that takes, all of them where \
-                   lights are few",
+            help: "Keep the error of the light, relative to the picture's mean, at most so large (0.05 is 5%); with \
+                   --method mesh: it then reads the mesh light by light and shoots as many shadow rays as that takes, \
+                   all of them where lights are few",
             methods: &["mesh"],
             ..About::PLAIN
         },
@@ -234,8 +234,8 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             name: "time-limit",
             kind: SECONDS,
             value_name: "SECONDS",
-            help: "Take samples until the render, from the built scene on, has taken this long; every pixel gets one, however \
-                   long that takes. How many there are in time is never quite the same, and nor is the picture",
+            help: "Take samples until the render, from the built scene on, has taken this long; every pixel gets one, \
+                   however long that takes. How many there are in time is never quite the same, and nor is the picture",
             ..About::PLAIN
         },
         get: |o| o.picture.time_limit.map(|limit| Value::text(limit.as_secs_f64())),
@@ -246,7 +246,8 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             name: "bounces",
             kind: Kind::Whole(0, 4096),
             value_name: "N",
-            help: "Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard computes none",
+            help: "Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard \
+                   computes none",
             methods: &["mesh", "paper", "hybrid", "unbiased", "path"],
             ..About::PLAIN
         },
@@ -291,8 +292,8 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             name: "light-error",
             kind: Kind::Real(Range::Fraction),
             value_name: "FRACTION",
-            help: "Error of the sum over more than 512 lights or light samples, as a part of all light that arrives at a \
-                   place, 0 to below 1; 0: every light by itself, as --method standard and path always do",
+            help: "Error of the sum over more than 512 lights or light samples, as a part of all light that arrives \
+                   at a place, 0 to below 1; 0: every light by itself, as --method standard and path always do",
             methods: MESHES,
             ..About::PLAIN
         },
@@ -370,8 +371,8 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: Kind::Real(Range::Positive),
             value_name: "METRES",
             group: Group::Mesh,
-            help: "Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, nearer \
-                   than half of it a quarter, nearer than a quarter of it an eighth",
+            help: "Let the meshes' density fall with the distance from the camera: nearer than this half the spacing, \
+                   nearer than half of it a quarter, nearer than a quarter of it an eighth",
             methods: MESHES,
             ..About::PLAIN
         },
@@ -404,10 +405,10 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: syntax(normal::<Interpolation>, Interpolation::EXPECTED, false),
             value_name: "WHICH",
             group: Group::Mesh,
-            help: "Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 (sphere: \
-                   1.5); auto: trilinear, with --method paper sphere. trilinear:RULE is the paper's: corners behind the \
-                   surface count as zero or one (no or all light), or as the nearest or the mirror corner does; with --method \
-                   mesh and paper",
+            help: "Mesh points that a surface reads: trilinear, nearest, or sphere[:R], R in spacings, at most 16 \
+                   (sphere: 1.5); auto: trilinear, with --method paper sphere. trilinear:RULE is the paper's: corners \
+                   behind the surface count as zero or one (no or all light), or as the nearest or the mirror corner \
+                   does; with --method mesh and paper",
             methods: MESHES,
             ..About::PLAIN
         },
@@ -475,7 +476,8 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: BYTES,
             value_name: "SIZE",
             group: Group::Machine,
-            help: "Most memory that the render may take, in B, KB, MB, GB, KiB, MiB or GiB; more is an error before allocation",
+            help: "Most memory that the render may take, in B, KB, MB, GB, KiB, MiB or GiB; more is an error before \
+                   allocation",
             ..About::PLAIN
         },
         get: |o| Some(Value::Text(limits::spell_bytes(o.limits.max_memory))),

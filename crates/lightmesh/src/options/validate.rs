@@ -33,8 +33,8 @@ impl RenderOptions {
         {
             return bad(
                 "interpolation",
-                "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear, without a rule, or \
-                 nearest",
+                "single lights (the methods hybrid and unbiased, and an error bound) are read trilinear, without a \
+                 rule, or nearest",
             );
         }
 
