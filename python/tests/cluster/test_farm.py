@@ -52,7 +52,7 @@ def test_frames(cluster: str, scene: Scene, scene_file: Path, tmp_path: Path) ->
     ("arguments", "message"),
     [
         (["render", "none.glb", "-o", "a.png"], "none.glb"),
-        (["render", "SCENE", "-o", "a.png", "--spp", "0"], 'spp: "0" cannot be used'),
+        (["render", "SCENE", "-o", "a.png", "--spp", "0"], "spp: must be a whole number between 1 and 65536"),
         (["render", "SCENE", "-o", "a.tif"], "a.tif is neither .png nor .exr"),
         (["frames", "SCENE", "-o", "a.png"], "a.png has no # for the number of the frame"),
         (["render", "SCENE", "-o", "a.png", "--camera", "none"], "none"),
