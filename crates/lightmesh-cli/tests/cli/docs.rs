@@ -17,8 +17,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
 }
 
-/// Every file of the repository below a folder of it, from the root and with forward slashes; build outputs are left
-/// out.
+/// Every file of the repository below a folder of it, from the root and with forward slashes; build outputs and
+/// hidden folders are left out.
 fn files_below(folder: &str) -> Vec<String> {
     let mut files = Vec::new();
     let Ok(entries) = fs::read_dir(root().join(folder)) else { return files };
@@ -26,7 +26,9 @@ fn files_below(folder: &str) -> Vec<String> {
         let name = entry.file_name().to_string_lossy().into_owned();
         let path = if folder.is_empty() { name.clone() } else { format!("{folder}/{name}") };
         if entry.path().is_dir() {
-            if !["target", ".git", ".venv", "__pycache__", "out"].contains(&name.as_str()) {
+            let is_output = ["target", "__pycache__", "out"].contains(&name.as_str());
+            let is_hidden = name.starts_with('.') && ![".ci", ".github"].contains(&name.as_str());
+            if !is_output && !is_hidden {
                 files.extend(files_below(&path));
             }
         } else {
