@@ -19,6 +19,8 @@ pub(super) struct SurfaceInteraction<'a> {
     pub extent: f32,
     /// Whether the ray met the front side.
     pub front: bool,
+    /// Whether it is a sheet that stands for both faces of a thin pane ([`Scene::is_sheet`]).
+    pub sheet: bool,
     /// Texture coordinates of both sets.
     pub uvs: [Vec2; 2],
     /// The part of the textures that the ray's cone covers, in both sets.
@@ -89,6 +91,7 @@ fn smooth_interaction(
         n,
         extent,
         front,
+        sheet: false,
         uvs: [uv; 2],
         footprints: [Footprint::POINT; 2],
         color: Vec4::ONE,
@@ -146,6 +149,7 @@ fn triangle_interaction<'a>(
         n,
         extent,
         front,
+        sheet: scene.is_sheet(instance, triangle),
         uvs,
         footprints: [Footprint::POINT; 2],
         color,

@@ -1,6 +1,7 @@
 //! What a ray meets: the geometry of a hit, the surface there, where it goes on, and how much light passes between two
 //! points.
 
+mod fresnel;
 mod hit_geometry;
 mod meter;
 mod ray_footprint;

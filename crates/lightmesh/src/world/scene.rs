@@ -3,6 +3,7 @@
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
+use super::sheets::sheets;
 use crate::Error;
 use crate::bvh::{SceneBvh, Target};
 use crate::geometry::Aabb;
@@ -16,6 +17,7 @@ pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
     instance_frames: Vec<InstanceFrame>,
+    sheets: Vec<Option<Box<[bool]>>>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
     mipmaps: Vec<Mipmap>,
@@ -87,6 +89,7 @@ impl Scene {
             mipmaps,
             all_opaque,
             all_double_sided,
+            sheets: sheets(&data),
             data,
             bvh,
             instance_frames: frames,
@@ -149,6 +152,13 @@ impl Scene {
     /// The transform of an instance for shading.
     pub(crate) fn instance_frame(&self, instance: u32) -> &InstanceFrame {
         &self.instance_frames[instance as usize]
+    }
+
+    /// Whether a triangle is part of a sheet: a transmissive surface that encloses nothing, and so stands for both faces
+    /// of a thin pane.
+    #[inline(always)]
+    pub(crate) fn is_sheet(&self, instance: u32, triangle: u32) -> bool {
+        self.sheets[instance as usize].as_ref().is_some_and(|sheet| sheet[triangle as usize])
     }
 
     /// Whether any texture is averaged over footprints.
