@@ -4,6 +4,8 @@
 mod fresnel;
 mod hit_geometry;
 mod meter;
+#[cfg(test)]
+mod offset_tests;
 mod ray_footprint;
 mod scatter;
 mod surface;

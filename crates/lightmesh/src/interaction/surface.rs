@@ -20,8 +20,8 @@ pub(crate) struct ShadingPoint {
     pub n: Vec3,
     /// Unit geometric normal, on the viewer's side.
     pub ng: Vec3,
-    /// The largest coordinate of the object that was hit, metres: sets how far rays start off the surface.
-    pub extent: f32,
+    /// How far off the surface its rays start, metres.
+    pub offset: f32,
     /// Radiance that reaches the start of the path, at the film or along a gather ray, per unit of irradiance here:
     /// throughput · albedo / π.
     pub weight: Vec3,
@@ -32,13 +32,13 @@ pub(crate) struct ShadingPoint {
 impl ShadingPoint {
     /// Returns where a ray along `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        offset_origin(self.position, self.ng, self.extent, direction)
+        offset_origin(self.position, self.ng, self.offset, direction)
     }
 
     /// Returns where rays to the side of `ng` start, and those to the other one.
     #[inline(always)]
     pub(crate) fn origins(&self) -> [Vec3; 2] {
-        offset_origins(self.position, self.ng, self.extent)
+        offset_origins(self.position, self.ng, self.offset)
     }
 }
 
@@ -48,7 +48,7 @@ pub(crate) struct ShadedHit {
     pub position: Vec3,
     pub n: Vec3,
     pub ng: Vec3,
-    pub extent: f32,
+    pub offset: f32,
     /// The fraction of the ray that meets the surface; the rest goes on.
     pub opacity: f32,
     /// Radiance towards the viewer, cd/m²: emission, or the colour of an unlit surface.
@@ -72,7 +72,7 @@ impl ShadedHit {
             position: self.position,
             n: self.n,
             ng: self.ng,
-            extent: self.extent,
+            offset: self.offset,
             weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
             id,
         }
@@ -89,7 +89,7 @@ impl ShadedHit {
 
     /// A ray from the surface along `direction`.
     pub(crate) fn spawn_ray(&self, direction: Vec3) -> Ray {
-        Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
+        Ray::new(offset_origin(self.position, self.ng, self.offset, direction), direction)
     }
 }
 
@@ -225,7 +225,7 @@ fn plain(interaction: &SurfaceInteraction<'_>, n: Vec3, opacity: f32) -> ShadedH
         position: interaction.position,
         n,
         ng: interaction.ng,
-        extent: interaction.extent,
+        offset: interaction.offset,
         opacity,
         emission: Vec3::ZERO,
         illuminating: Vec3::ZERO,

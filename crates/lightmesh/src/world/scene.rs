@@ -5,7 +5,7 @@ use glam::{Mat3, Vec3};
 
 use super::sheets::sheets;
 use crate::Error;
-use crate::bvh::{SceneBvh, Target};
+use crate::bvh::{SceneBvh, Target, flattened_meshes};
 use crate::geometry::Aabb;
 use crate::light::{Emitters, LightSamples};
 use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
@@ -38,6 +38,9 @@ pub(crate) struct InstanceFrame {
     pub handedness: f32,
     /// Whether object space is world space.
     pub is_identity: bool,
+    /// How much the transform to object space and back may amplify a rounding error, 1 for a rotation; 0 for meshes
+    /// that rays meet in world space.
+    pub amplification: f32,
 }
 
 impl Scene {
@@ -62,6 +65,7 @@ impl Scene {
             return Err(Error::EmptyScene);
         }
         // Invert the instances' transforms.
+        let flat = flattened_meshes(&data);
         let frames = data
             .instances
             .iter()
@@ -72,6 +76,7 @@ impl Scene {
                     normal_from_object: cofactor(m),
                     handedness,
                     is_identity: instance.world_from_object == glam::Affine3A::IDENTITY,
+                    amplification: if flat[instance.mesh] { 0.0 } else { amplification(m) },
                 }
             })
             .collect();
@@ -212,6 +217,14 @@ impl Scene {
 /// inverse.
 fn cofactor(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+/// Returns how much m · m⁻¹ may amplify a rounding error: ‖ |m| |m⁻¹| ‖∞ / 3, at least 1 (Higham, *Accuracy and
+/// Stability of Numerical Algorithms*, section 7.2).
+fn amplification(m: Mat3) -> f32 {
+    let abs = |m: Mat3| Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let product = abs(m) * abs(m.as_dmat3().inverse().as_mat3());
+    ((product * Vec3::ONE).max_element() / 3.0).max(1.0)
 }
 
 fn is_opaque(material: &Material) -> bool {
