@@ -45,7 +45,6 @@ pub(super) struct HemisphereRays {
     pub count: u32,
     /// Other seeds give other rays.
     pub seed: u64,
-    pub strata: Strata,
 }
 
 /// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical
@@ -72,15 +71,6 @@ fn octahedral_morton(d: Vec3) -> u32 {
     let cell = |x: f32| ((x * 0.5 + 0.5) * 255.0) as u32;
     let (x, y) = (cell(folded(p.x, p.y)), cell(folded(p.y, p.x)));
     (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
-}
-
-/// Where in its stratum of the hemisphere's height a ray lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Strata {
-    /// In the middle: least noise where there are many.
-    Centered,
-    /// Anywhere in it: the expectation is exact.
-    Jittered,
 }
 
 /// The seed of a mesh point.
@@ -142,7 +132,7 @@ impl GatherRays {
         points: &[ShadingPoint],
         rays: HemisphereRays,
     ) {
-        let HemisphereRays { count, seed, strata } = rays;
+        let HemisphereRays { count, seed } = rays;
         self.lobes.clear();
         self.lobes.resize(points.len() * count as usize, Vec3::X * (PI / count as f32));
         self.batch.clear();
@@ -151,10 +141,8 @@ impl GatherRays {
             let seed = seed_of_surface(seed, point.position);
             let (t, b) = basis(point.n);
             for i in 0..count {
-                let height = match strata {
-                    Strata::Centered => 0.5,
-                    Strata::Jittered => unit_f32(hash(seed ^ hash(!i))),
-                };
+                // Anywhere in its stratum of the hemisphere's height: the expectation is exact.
+                let height = unit_f32(hash(seed ^ hash(!i)));
                 let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
                 let direction = t * local.x + b * local.y + point.n * local.z;

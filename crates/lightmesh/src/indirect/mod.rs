@@ -7,6 +7,6 @@ mod final_gather;
 mod gather;
 
 pub(crate) use bounce::{POINTS_AT_ONCE, PendingLight};
-pub(crate) use control_variate::GatherPaths;
+pub(crate) use control_variate::{GatherPaths, GoOn};
 pub(crate) use field::{IndirectField, IndirectReading};
 pub(crate) use gather::{GatherRays, sphere_directions};
