@@ -119,9 +119,38 @@ impl GatherRays {
         for d in &mut self.lobes {
             *d *= Vec3::select(d.cmpge(Vec3::ZERO), positive, negative);
         }
-        self.seeds.clear();
-        self.seeds.extend((0..directions.len() as u32).map(|i| hash(seed ^ hash(i))));
+        self.seed_rays(seed);
         self.trace(scene, options);
+    }
+
+    /// Shoots rays from a mesh point in some directions, which are their lobes.
+    pub(super) fn towards(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
+        self.lobes.clear();
+        self.lobes.extend_from_slice(directions);
+        self.batch.clear();
+        self.batch.extend(directions.iter().map(|&d| Ray::new(x, d)));
+        self.seed_rays(seed);
+        self.trace(scene, options);
+    }
+
+    fn seed_rays(&mut self, seed: u32) {
+        self.seeds.clear();
+        self.seeds.extend((0..self.batch.len() as u32).map(|i| hash(seed ^ hash(i))));
+    }
+
+    /// The unit directions of its rays.
+    pub(super) fn directions(&self) -> impl Iterator<Item = Vec3> {
+        self.batch.iter().map(|ray| ray.direction)
+    }
+
+    /// Where the rays of a mesh point start.
+    pub(super) fn origin(&self) -> Option<Vec3> {
+        self.batch.first().map(|ray| ray.origin)
+    }
+
+    /// What other rays of the same point are seeded with.
+    pub(super) fn seed(&self) -> u32 {
+        self.seeds.first().map_or(0, |&seed| hash(!seed))
     }
 
     /// Shoots rays from each of some points, in proportion to the cosine. Lobes: π / count, in x.

@@ -1,10 +1,12 @@
 //! Indirect light: formula (4) at mesh points, bounce by bounce, and formula (6) over them.
 
 mod bounce;
+mod bright_spots;
 mod control_variate;
 mod field;
 mod final_gather;
 mod gather;
+mod guided;
 
 pub(crate) use bounce::{POINTS_AT_ONCE, PendingLight};
 pub(crate) use control_variate::{GatherPaths, GoOn};
