@@ -13,7 +13,7 @@ use super::per_light::{PerLightShader, Shaded};
 use super::plan::{LightingPlan, Shading};
 use super::read::Reading;
 use super::read_lights::LightsReading;
-use crate::interaction::ShadingPoint;
+use crate::interaction::{MirroredLights, MirroredShader, ShadingPoint};
 use crate::light::{LightCut, LightSamples};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
@@ -37,6 +37,7 @@ pub(crate) struct ShadingBatch {
     exact: ExactShader,
     few_rays: FewRaysShader,
     per_light: PerLightShader,
+    mirrored: MirroredShader,
     shadow_rays: u64,
     visibility_rays: u64,
     fallbacks: u64,
@@ -53,6 +54,21 @@ impl ShadingBatch {
             self.shadow_rays += rays;
         }
         self.waiting.clear();
+    }
+
+    /// Adds the light of punctual lights that are seen in plane mirrors.
+    pub(crate) fn add_mirrored(&mut self, scene: &Scene, falloff: Falloff, visibility: CornerVisibility) {
+        if scene.mirrored_lights().is_empty() {
+            return;
+        }
+        for (vertex, irradiance) in self.vertices.iter().zip(&mut self.direct) {
+            let which = match visibility {
+                CornerVisibility::Stochastic => MirroredLights::One { seed: seed_of_position(vertex.position) },
+                CornerVisibility::All | CornerVisibility::Deferred { .. } => MirroredLights::All,
+            };
+            *irradiance += self.mirrored.irradiance(scene, falloff, vertex, which);
+        }
+        self.shadow_rays += self.mirrored.take_rays();
     }
 
     /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that receive any light
@@ -298,6 +314,9 @@ impl DirectLighting<'_, '_> {
             let step = if waiting { &mut seconds.demand } else { &mut seconds.shade };
             *step += started.elapsed().as_secs_f64();
             if !waiting {
+                let started = Instant::now();
+                batches.par_iter_mut().for_each(|batch| batch.add_mirrored(scene, falloff, visibility));
+                seconds.shade += started.elapsed().as_secs_f64();
                 return Ok(seconds);
             }
 

@@ -198,7 +198,8 @@ impl IndirectField {
             let guided = guided.get(i);
             let (mut emission, mut first) = ([Vec4::ZERO; 6], [Vec4::ZERO; 6]);
             for &(ray, radiance) in &gather.emitted {
-                self.splat(&mut emission, gather.lobes[ray as usize], radiance);
+                let weight = guided.map_or(1.0, |guided| guided.weight(ray));
+                self.splat(&mut emission, gather.lobes[ray as usize], radiance * weight);
             }
             if self.reflects_light() {
                 for (hit, &irradiance) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
@@ -209,6 +210,9 @@ impl IndirectField {
                 self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
             }
             if let Some(GuidedRays { rays, .. }) = guided {
+                for &(ray, radiance) in &rays.emitted {
+                    self.splat(&mut emission, rays.lobes[ray as usize], radiance);
+                }
                 for (hit, &irradiance) in rays.hits.vertices.iter().zip(&rays.hits.direct) {
                     self.splat(&mut first, rays.lobes[hit.id as usize], hit.weight * irradiance);
                 }
@@ -223,12 +227,15 @@ impl IndirectField {
 
     /// Shoots the rays to bright spots of some points, whose even rays have their light, and lights them.
     fn guide(&self, direct: &mut DirectLighting<'_, '_>, batch: &[GatherRays]) -> Result<Vec<GuidedRays>, Error> {
-        if self.spots.is_empty() || !self.reflects_light() {
+        if self.spots.is_empty() {
             return Ok(Vec::new());
         }
         let (scene, options) = (direct.scene, direct.options);
         let shoot = |even: &GatherRays| GuidedRays::shoot(scene, options, &self.spots, even);
         let mut guided: Vec<GuidedRays> = batch.par_iter().map(shoot).collect();
+        if !self.reflects_light() {
+            guided.iter_mut().for_each(|guided| guided.rays.hits.vertices.clear());
+        }
         let mut lists: Vec<_> = guided.iter_mut().map(|guided| &mut guided.rays.hits).collect();
         let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
         direct.stats.seconds.fill_direct += seconds.fill;

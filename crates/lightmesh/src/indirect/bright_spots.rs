@@ -3,7 +3,8 @@
 //!
 //! Probe rays from each lamp find what is near. Surfaces in one plane that get a good part of the lamp's light are one
 //! spot, whose directions are sampled in proportion to its light; what else is near, as the walls of a can, is a ball
-//! around the lamp. Both have a density in closed form for every direction, whatever the rays really meet.
+//! around the lamp. Both have a density in closed form for every direction, whatever the rays really meet. So has the
+//! ball around the image of a shining surface in a plane mirror.
 
 use std::f32::consts::{PI, TAU};
 
@@ -14,6 +15,7 @@ use super::gather::sphere_directions;
 use crate::Scene;
 use crate::geometry::Ray;
 use crate::interaction::evaluate;
+use crate::light::PlaneMirror;
 use crate::light::sample::{LightEmission, SampledLight};
 use crate::sampling::basis;
 
@@ -22,6 +24,9 @@ const PROBES: u32 = 48;
 
 /// Lamps that are probed, at most: with more of them, none is much brighter than the rest.
 const MOST_LAMPS: usize = 2048;
+
+/// Shining surfaces whose mirror images are looked for, at most.
+const MOST_EMITTERS: usize = 64;
 
 /// The part of a lamp's rays that makes a spot.
 const LEAST_PART: f32 = 0.12;
@@ -42,6 +47,8 @@ pub(super) struct BrightSpot {
     shape: SpotShape,
     /// Luminous flux that the surfaces reflect, lumen; the largest channel.
     flux: f32,
+    /// The mirror behind which it is seen.
+    mirror: Option<PlaneMirror>,
 }
 
 /// Where the surfaces of a spot are.
@@ -102,6 +109,9 @@ impl BrightSpot {
                 })
             }
             SpotShape::Ball { center, radius } => {
+                if self.mirror.is_some_and(|mirror| mirror.height(x) * mirror.height(center) >= 0.0) {
+                    return None;
+                }
                 let r2 = x.distance_squared(center);
                 (r2 > 4.0 * radius * radius).then(|| SpotView {
                     irradiance: self.flux / (4.0 * PI * r2),
@@ -164,16 +174,18 @@ struct Probed {
 impl BrightSpots {
     /// Looks for the spots around the lamps of a scene.
     pub(crate) fn find(scene: &Scene) -> Self {
+        let mut spots = images_of_emitters(scene);
         let lights = scene.lights();
         if lights.len() > MOST_LAMPS {
-            return Self::default();
+            return Self { spots };
         }
         let even = sphere_directions(PROBES);
-        let spots = (0..lights.lanes())
+        let near_lamps = (0..lights.lanes())
             .into_par_iter()
             .filter_map(|lane| lights.sample(lane))
             .flat_map_iter(|light| spots_of(scene, &light, &even));
-        Self { spots: spots.collect() }
+        spots.par_extend(near_lamps);
+        Self { spots }
     }
 
     /// The spots.
@@ -185,6 +197,35 @@ impl BrightSpots {
     pub(super) fn is_empty(&self) -> bool {
         self.spots.is_empty()
     }
+}
+
+/// The images of shining surfaces in plane mirrors.
+fn images_of_emitters(scene: &Scene) -> Vec<BrightSpot> {
+    // Put a ball around each of them.
+    let data = scene.data();
+    let emission = |material: usize| {
+        let material = &data.materials[material];
+        if material.unlit { 0.0 } else { material.emission.max_element() }
+    };
+    let meshes = data.instances.iter().filter_map(|instance| {
+        let mesh = &data.meshes[instance.mesh];
+        let emission = emission(mesh.material);
+        (emission > 0.0).then(|| (mesh.bounds().transformed(&instance.world_from_object), emission))
+    });
+    let spheres = data.spheres.iter().map(|sphere| (sphere.bounds(), emission(sphere.material)));
+    let balls = meshes.chain(spheres.filter(|(_, emission)| *emission > 0.0)).take(MOST_EMITTERS);
+    let balls: Vec<(Vec3, f32, f32)> = balls
+        .map(|(bounds, emission)| (0.5 * (bounds.min + bounds.max), 0.5 * bounds.size().length(), emission))
+        .collect();
+
+    // Mirror them.
+    let image = |mirror: &PlaneMirror, &(center, radius, emission): &(Vec3, f32, f32)| BrightSpot {
+        shape: SpotShape::Ball { center: mirror.image_of(center), radius },
+        flux: 2.0 * PI * PI * radius * radius * emission,
+        mirror: Some(*mirror),
+    };
+    let mirrors = scene.plane_mirrors();
+    mirrors.iter().flat_map(|mirror| balls.iter().map(move |ball| image(mirror, ball))).collect()
 }
 
 /// The spots around one lamp.
@@ -233,7 +274,7 @@ fn spots_of(scene: &Scene, light: &SampledLight, even: &[Vec3]) -> Vec<BrightSpo
         }
         let cone = cone.unwrap_or(EvenCone { axis: -first.n, cos: LEAST_COS });
         let shape = SpotShape::Plane { lamp, foot: lamp - first.n * first.height, n: first.n, cone };
-        spots.push(BrightSpot { shape, flux: flux(&plane) });
+        spots.push(BrightSpot { shape, flux: flux(&plane), mirror: None });
     }
 
     // What else is near is a ball.
@@ -241,7 +282,8 @@ fn spots_of(scene: &Scene, light: &SampledLight, even: &[Vec3]) -> Vec<BrightSpo
     others.retain(|p| p.distance < 3.0 * nearest);
     let radius = others.iter().map(|p| p.distance).fold(0.0, f32::max);
     if others.len() as f32 >= LEAST_PART * count {
-        spots.push(BrightSpot { shape: SpotShape::Ball { center: lamp, radius }, flux: flux(&others) });
+        let shape = SpotShape::Ball { center: lamp, radius };
+        spots.push(BrightSpot { shape, flux: flux(&others), mirror: None });
     }
     spots.retain(|spot| spot.flux > 0.0);
     spots
@@ -258,11 +300,11 @@ mod tests {
     fn plane() -> BrightSpot {
         let cone = EvenCone { axis: Vec3::Y, cos: LEAST_COS };
         let shape = SpotShape::Plane { lamp: LAMP, foot: LAMP.with_y(3.0), n: Vec3::NEG_Y, cone };
-        BrightSpot { shape, flux: 1.0 }
+        BrightSpot { shape, flux: 1.0, mirror: None }
     }
 
     fn ball() -> BrightSpot {
-        BrightSpot { shape: SpotShape::Ball { center: LAMP, radius: 0.4 }, flux: 1.0 }
+        BrightSpot { shape: SpotShape::Ball { center: LAMP, radius: 0.4 }, flux: 1.0, mirror: None }
     }
 
     /// The mean of f / pdf over samples is the integral of f: of 1 over a region of known solid angle, and of a plane's

@@ -42,6 +42,8 @@ pub(crate) enum GoOn {
     Everywhere,
     /// Where no mesh point can be read: what is read counts as it is.
     WithoutMesh,
+    /// Nowhere.
+    Nowhere,
 }
 
 /// The indirect light at a surface, as paths have found it.
@@ -49,8 +51,10 @@ pub(crate) enum GoOn {
 pub(super) struct PathSum {
     /// Irradiance, lux.
     pub irradiance: Vec3,
-    /// The rays that ended at a surface for which no mesh point can be read, less those where one can.
-    pub unread: i32,
+    /// The rays that ended at a surface for which a mesh point can be read.
+    pub read: u32,
+    /// The part of an even irradiance at those surfaces that would come back.
+    pub gap: Vec3,
 }
 
 /// The paths that estimate the indirect light at a surface.
@@ -135,7 +139,10 @@ impl IndirectField {
                 for (i, (hit, &direct)) in gather.hits.vertices.iter().zip(&gather.hits.direct).enumerate() {
                     let (sum, found) = (&mut sums[of(hit.id)], indirect_of(i));
                     sum.irradiance += hit.weight * (direct + found.irradiance) * lobe(hit.id);
-                    sum.unread += found.unread;
+                    sum.read += found.read;
+                    if found.read == 0 {
+                        sum.gap += hit.weight * lobe(hit.id);
+                    }
                 }
                 indirect = others;
                 gather.take_counts(direct);
@@ -162,10 +169,12 @@ impl IndirectField {
         let (mut estimates, mut going_on, mut corrections) = (Vec::new(), Vec::new(), Vec::new());
         for hit in batch.iter().flat_map(|gather| &gather.hits.vertices) {
             let reading = readings.next().flatten();
-            let unread = if reading.is_some() { -1 } else { 1 };
-            estimates.push(PathSum { irradiance: reading.unwrap_or_default(), unread });
-            if reading.is_some() && paths.go_on == GoOn::WithoutMesh {
-                continue;
+            let (irradiance, read) = (reading.unwrap_or_default(), u32::from(reading.is_some()));
+            estimates.push(PathSum { irradiance, read, gap: Vec3::ZERO });
+            match paths.go_on {
+                GoOn::Everywhere => {}
+                GoOn::WithoutMesh if reading.is_none() => {}
+                GoOn::WithoutMesh | GoOn::Nowhere => continue,
             }
             let q = (PI * hit.weight.max_element()).clamp(*GO_ON.start(), *GO_ON.end());
             // Not the numbers that the rays' directions are made of.

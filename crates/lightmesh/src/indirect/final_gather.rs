@@ -20,10 +20,11 @@ const RAYS: u32 = 64;
 
 /// Most rays from a surface of the picture that no mesh point can serve; those that count for less in the picture,
 /// behind several panes of glass, get fewer, one at least.
-const FIRST_RAYS: u32 = 3;
+const FIRST_RAYS: u32 = 4;
 
-/// How many times as many more where most of the surfaces that they find can be read: in a narrow gap, or at a seam.
-/// Then they are as good as a mesh point's, and end there.
+/// How many times as many where some of the surfaces that they find can be read: in a narrow gap, or at a seam. Then
+/// they are as good as a mesh point's, and end there. The others lie in the same gap as the point, and are taken to
+/// receive what it does.
 const MORE: u32 = 8;
 
 /// Surfaces that count for less than this are left out by chance, and the others count for more.
@@ -81,23 +82,28 @@ impl IndirectField {
             let some: Vec<ShadingPoint> = chosen.iter().map(|&i| points[i]).collect();
             let sums = self.follow_paths(direct, marks, &some, paths)?;
 
-            // Shoot more where that is cheap.
-            let readable: Vec<usize> = (0..some.len()).filter(|&i| sums[i].unread < 0).collect();
-            let again: Vec<ShadingPoint> = readable.iter().map(|&i| some[i]).collect();
-            let paths = GatherPaths { rays: MORE * rays, seed: seed ^ OTHER_RAYS, ..paths };
-            let more = self.follow_paths(direct, marks, &again, paths)?;
-
-            // Average both, and make up for those that are left out.
             for (&i, sum) in chosen.iter().zip(&sums) {
                 irradiance[i] = sum.irradiance;
             }
-            for (&k, more) in readable.iter().zip(&more) {
-                irradiance[chosen[k]] = (sums[k].irradiance + more.irradiance * MORE as f32) / (1 + MORE) as f32;
+
+            // Shoot more instead where that is cheap: I = S + ρI, summed bounce by bounce.
+            let readable: Vec<usize> = (0..some.len()).filter(|&i| sums[i].read > 0).collect();
+            let again: Vec<ShadingPoint> = readable.iter().map(|&i| some[i]).collect();
+            let paths = GatherPaths { rays: MORE * rays, seed: seed ^ OTHER_RAYS, go_on: GoOn::Nowhere, ..paths };
+            for (&k, sum) in readable.iter().zip(self.follow_paths(direct, marks, &again, paths)?) {
+                irradiance[chosen[k]] = sum.irradiance * geometric_series(sum.gap, bounces);
             }
+
+            // Make up for those that are left out.
             for &i in &chosen {
                 irradiance[i] /= (share(&points[i]) / LEAST_SHARE).min(1.0);
             }
         }
         Ok(irradiance)
     }
+}
+
+/// 1 + q + q² … + qⁿ, n at most 64: q is an albedo at most, and 0.9 to that power a thousandth.
+fn geometric_series(q: Vec3, n: u32) -> Vec3 {
+    (0..n.min(64)).fold(Vec3::ONE, |sum, _| sum * q + Vec3::ONE)
 }

@@ -12,13 +12,16 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 use crate::bvh::Hit;
 use crate::direct::{DirectLighting, ShadingBatch};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{Lobe, PathRay, ShadingPoint, evaluate};
+use crate::interaction::{Lobe, PathRay, ShadingPoint, SpecularLobe, evaluate};
 use crate::mesh::Address;
 use crate::sampling::{basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32};
 use crate::{RenderOptions, Scene};
 
 /// 1 / golden ratio in units of 2⁻³².
 const INV_GOLDEN: u32 = 2_654_435_769;
+
+/// What a mirror reflects at least.
+const MIRROR: f32 = 0.5;
 
 /// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
 #[derive(Debug, Default)]
@@ -205,6 +208,9 @@ impl GatherRays {
     fn follow(&mut self, scene: &Scene, options: &RenderOptions, id: u32, mut hit: Hit) {
         let mut path = PathRay::new(self.batch[id as usize], Cone::POINT);
         let (mut beta, mut state) = (Vec3::ONE, self.seeds[id as usize]);
+        // Whether it comes by a metal mirror, where no light sample leads. Weak reflections on glass and varnish find
+        // lamps too rarely for a few rays.
+        let mut mirrored = false;
         loop {
             let surface = evaluate(scene, &path.ray, &hit);
             state = hash(state);
@@ -214,7 +220,7 @@ impl GatherRays {
                 path = passed;
             } else {
                 // Add emission that no light sample stands for.
-                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(hit.target) {
+                if surface.illuminating != Vec3::ZERO && (mirrored || scene.is_unsampled(hit.target)) {
                     self.emitted.push((id, beta * surface.illuminating));
                 }
 
@@ -233,12 +239,21 @@ impl GatherRays {
                     }
                     Lobe::Specular(lobe) => {
                         beta *= sample.throughput();
+                        mirrored |= lobe == SpecularLobe::Reflection
+                            && surface.refraction == Vec3::ZERO
+                            && surface.mirror.max_element() >= MIRROR;
                         path = path.spawn(&hit, &surface, lobe);
                     }
                 }
             }
             self.rays += 1;
-            let Some(next) = scene.bvh().closest(&path.ray) else { return };
+            let Some(next) = scene.bvh().closest(&path.ray) else {
+                let sky = if mirrored { scene.environment(path.ray.direction.normalize()) } else { Vec3::ZERO };
+                if sky != Vec3::ZERO {
+                    self.emitted.push((id, beta * sky));
+                }
+                return;
+            };
             hit = next;
         }
     }

@@ -2,8 +2,8 @@
 //!
 //! Both kinds may find the same light: where n even rays and n_s rays to each spot s were shot, light along ω counts with
 //! 1 / (n / 4π + Σ n_s p_s(ω)), whichever ray has found it (the balance heuristic: Veach 1997, eq. 9.8). The expectation
-//! stays what it is with even rays alone, wherever the spots are. Only light that surfaces reflect at once is weighed so:
-//! what comes after further bounces is smooth, and even rays serve it.
+//! stays what it is with even rays alone, wherever the spots are. Only emission and direct light are weighed so: what
+//! comes after further bounces is smooth, and even rays serve it.
 
 use std::f32::consts::PI;
 
@@ -94,7 +94,8 @@ impl GuidedRays {
         // Estimate all light, and give the spots rays by their parts of it.
         let mixture = Mixture { x, even: density, guides: &guides };
         let weights: Vec<f32> = even.directions().map(|direction| mixture.weight(direction)).collect();
-        let mut total: f32 = even.emitted.iter().map(|(_, radiance)| radiance.max_element()).sum();
+        let emitted = even.emitted.iter().map(|&(ray, radiance)| weights[ray as usize] * radiance.max_element());
+        let mut total: f32 = emitted.sum();
         for (hit, &irradiance) in even.hits.vertices.iter().zip(&even.hits.direct) {
             total += weights[hit.id as usize] * (hit.weight * irradiance).max_element();
         }

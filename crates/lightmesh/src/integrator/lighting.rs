@@ -80,7 +80,9 @@ fn shade_exactly(context: LightingContext<'_>, blocks: &mut [&mut PointBlock], s
     let LightingContext { scene, options, reporter, .. } = context;
     blocks.par_iter_mut().for_each(|block| {
         if !reporter.cancelled() {
-            block.batch.shade_exactly(scene, scene.emitters().all(), options.transport.falloff);
+            let falloff = options.transport.falloff;
+            block.batch.shade_exactly(scene, scene.emitters().all(), falloff);
+            block.batch.add_mirrored(scene, falloff, CornerVisibility::All);
         }
         block.report(reporter);
     });

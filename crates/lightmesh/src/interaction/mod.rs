@@ -3,12 +3,14 @@
 
 mod hit_geometry;
 mod meter;
+mod mirrored_lights;
 mod ray_footprint;
 mod scatter;
 mod surface;
 pub(crate) mod transmittance;
 
 pub use meter::Meter;
+pub(crate) use mirrored_lights::{MirroredLights, MirroredShader};
 pub(crate) use scatter::{Lobe, PathRay, SpecularLobe};
 pub(crate) use surface::{ShadedHit, ShadingPoint, evaluate, evaluate_footprint, is_back_face, is_opaque};
 pub(crate) use transmittance::{VisibilityScratch, visibility};
