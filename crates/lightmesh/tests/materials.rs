@@ -255,27 +255,3 @@ fn a_lamp_shines_by_way_of_a_mirror() {
         assert!((middle / expected - 1.0).abs() < 0.02, "{method:?}: {middle} {expected}");
     }
 }
-
-/// A panel that shines at a mirror alone: gather rays of the mesh find it there, and paths.
-#[test]
-fn a_panel_shines_by_way_of_a_mirror() {
-    let mut data = floor(Vec3::splat(0.5));
-    data.materials.push(Material { metallic: 1.0, roughness: 0.0, base_color: Vec3::ONE, ..Material::default() });
-    data.materials.push(Material { emission: Vec3::splat(300.0), ..Material::lambert(Vec3::ZERO) });
-    let quad_at = |y: f32, r: f32, material| {
-        let c = |x: f32, z: f32| Vec3::new(x * r, y, z * r);
-        quad([c(-1.0, 1.0), c(1.0, 1.0), c(1.0, -1.0), c(-1.0, -1.0)], material)
-    };
-    place(&mut data, quad_at(2.0, 1.5, 1));
-    place(&mut data, quad_at(1.0, 0.2, 2));
-    let scene = Scene::new(data).expect("scene");
-    // Beside the shadow that the panel throws into its own light.
-    let camera = Camera::look_at(Vec3::new(1.1, 0.9, 3.0), Vec3::new(1.1, 0.0, 0.4), 0.2);
-    let mean = |method, spp| {
-        let options = options(method).with(|o| (o.transport.bounces, o.picture.spp) = (1, spp));
-        let pixels = shoot(&scene, &camera, &options).image.pixels;
-        pixels.iter().map(|p| p.x).sum::<f32>() / pixels.len() as f32
-    };
-    let (mesh, path) = (mean(Method::MESH, 1), mean(Method::Path, 256));
-    assert!(path > 0.1 && (mesh / path - 1.0).abs() < 0.06, "{mesh} {path}");
-}
