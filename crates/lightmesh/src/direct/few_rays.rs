@@ -61,7 +61,7 @@ impl FewRaysShader {
         let direction = |lane: usize| Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
         let mut ray_to = |i: usize, weight: Vec3| {
             let lane = self.lanes[i] as usize;
-            self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction(lane))));
+            self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction(lane))));
             self.weights.push(weight);
         };
         if self.terms.len() <= most as usize {
