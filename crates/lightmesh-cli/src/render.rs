@@ -98,7 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         camera,
     };
     let mut mesh = match known {
-        None => LightMesh::new(&scene, &options)?,
+        None => LightMesh::for_cameras(&scene, &options, std::slice::from_ref(&metadata.camera))?,
         Some((path, file)) => file.into_mesh(path, &scene, &options).map_err(Failure::input)?,
     };
 

@@ -57,11 +57,11 @@ impl PyPictureJob {
 
         // Make a mesh, unless there is one.
         let shared = mesh.map(|mesh| mesh.get().mesh.clone());
-        let (theirs, mesh_options) = (Arc::clone(&built), options.clone());
+        let (theirs, mesh_options, eye) = (Arc::clone(&built), options.clone(), camera.clone());
         let made = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, move |_| {
             let mesh = match shared {
                 Some(mesh) => mesh,
-                None => SharedMesh::new(LightMesh::new(&theirs.scene, &mesh_options)?),
+                None => SharedMesh::new(LightMesh::for_cameras(&theirs.scene, &mesh_options, &[eye])?),
             };
             Ok((mesh, Fingerprint::of_scene(&theirs.scene)))
         })?;

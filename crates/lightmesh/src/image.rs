@@ -69,9 +69,9 @@ pub struct MeshStats {
     pub spacing_m: f64,
     /// How many points have been evaluated, so far and on all levels.
     pub points_used: u64,
-    /// How many of these are on finer levels than the first.
+    /// How many of these are on levels that a picture has refined.
     pub points_refined: u64,
-    /// How many points of the first level the scene's whole box would have.
+    /// How many points the scene's whole box would have, where nothing is refined.
     pub points_total: u64,
     /// How many evaluated points are invalid, inside a closed object.
     pub points_invalid: u64,

@@ -86,7 +86,7 @@ pub use fingerprint::Fingerprint;
 pub use image::{ErrorEstimate, Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use interaction::Meter;
 pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, LightMesh, PointSnapshot, Snapshot};
-pub use mesh::LatticeShape;
+pub use mesh::{Focus, LatticeShape};
 pub use options::{
     Aov, Aovs, Falloff, Interpolation, KeyDifference, Layer, Limits, MeshKey, MeshOptions, Method, MissingCorners,
     PaperScale, PictureOptions, PointWeight, RenderOptions, Spacing, TransportOptions, schema,

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use lightmesh::{DirectSnapshot, DirectValues, IndirectSnapshot, LatticeShape, PointSnapshot, Snapshot};
+use lightmesh::{DirectSnapshot, DirectValues, Focus, IndirectSnapshot, LatticeShape, PointSnapshot, Snapshot};
 
 use super::read::{ArrayReader, Shape};
 use super::tensor::Tensor;
@@ -46,7 +46,7 @@ pub(super) fn to_tensors(contents: &Snapshot) -> Vec<Tensor<'_>> {
 }
 
 fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a PointSnapshot) {
-    let PointSnapshot { lattices, addresses, clearances, invalid } = points;
+    let PointSnapshot { lattices, focus, addresses, clearances, invalid } = points;
     let name = |array: &str| format!("{field}.{array}");
     let (levels, n, m) = (lattices.len(), addresses.len(), invalid.len());
     let origins: Vec<f32> = lattices.iter().flat_map(|lattice| lattice.origin).collect();
@@ -55,6 +55,9 @@ fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a Point
     tensors.push(Tensor::new(name("lattice_origin"), &[levels, 3], Cow::Owned(origins)));
     tensors.push(Tensor::new(name("lattice_spacing"), &[levels], Cow::Owned(spacings)));
     tensors.push(Tensor::new(name("lattice_size"), &[levels, 3], Cow::Owned(sizes)));
+    if let Some(Focus { min, max }) = focus {
+        tensors.push(Tensor::new(name("focus"), &[2, 3], Cow::Owned([*min, *max].concat())));
+    }
     tensors.push(Tensor::new(name("addresses"), &[n, 4], Cow::Borrowed(addresses.as_flattened())));
     tensors.push(Tensor::new(name("positions"), &[n, 3], Cow::Owned(points.positions().into_flattened())));
     tensors.push(Tensor::new(name("clearances"), &[n, 6], Cow::Borrowed(clearances.as_flattened())));
@@ -116,8 +119,15 @@ fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointSnapsho
     let (sizes, _) = arrays.read_rows::<u32, 3>(&name("lattice_size"), Some(levels))?;
     let rows = origins.into_iter().zip(spacings).zip(sizes);
     let lattices = rows.map(|((origin, spacing), size)| LatticeShape { origin, spacing, size }).collect();
+    let focus = match arrays.has(&name("focus")) {
+        true => {
+            let (corners, _) = arrays.read_rows::<f32, 3>(&name("focus"), Some(2))?;
+            Some(Focus { min: corners[0], max: corners[1] })
+        }
+        false => None,
+    };
     let (addresses, n) = arrays.read_rows::<i32, 4>(&name("addresses"), None)?;
     let (clearances, _) = arrays.read_rows::<u8, 6>(&name("clearances"), Some(n))?;
     let (invalid, _) = arrays.read_rows::<i32, 4>(&name("invalid"), None)?;
-    Ok(PointSnapshot { lattices, addresses, clearances, invalid })
+    Ok(PointSnapshot { lattices, focus, addresses, clearances, invalid })
 }

@@ -134,7 +134,7 @@ impl MeshFile {
         self.check(file, Fingerprint::of_scene(scene), options)?;
         let failed = |cause| Error::Mesh { file: one_line(file.display()), cause };
         let options = options.clone().with(|o| o.transport.bounces = self.bounces());
-        let mut mesh = LightMesh::new(scene, &options).map_err(failed)?;
+        let mut mesh = LightMesh::with_focus(scene, &options, self.contents.focus()).map_err(failed)?;
         mesh.merge(&self.contents).map_err(failed)?;
         Ok(mesh)
     }

@@ -3,7 +3,7 @@
 use super::encoding::{DirectEncoding, LightRuns};
 use super::region_cuts::RegionCuts;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{Costs, Interpolator, Lattice, Points};
+use crate::mesh::{Costs, Interpolator, Levels, Points};
 use crate::{Error, MeshStats, RenderOptions, Scene};
 
 /// Direct light at points of its mesh.
@@ -23,13 +23,13 @@ impl DirectField {
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn new(
         scene: &Scene,
-        lattices: Vec<Lattice>,
+        levels: Levels,
         interpolator: Interpolator,
         options: &RenderOptions,
     ) -> Result<Self, Error> {
-        let lights = RegionCuts::new(scene, options)?;
+        let lights = RegionCuts::new(scene, levels.focus, options)?;
         let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
-        let points = Points::new(lattices, interpolator);
+        let points = Points::new(levels, interpolator);
         Ok(Self { points, encoding, lights, max_memory: options.limits.max_memory })
     }
 
@@ -96,6 +96,6 @@ impl DirectField {
 
     /// Returns how often the cell that a vertex reads has been refined.
     pub(crate) fn level_at(&self, vertex: &ShadingPoint) -> u32 {
-        self.points.cell(vertex).0
+        self.points.cell(vertex).0.saturating_sub(self.points.base())
     }
 }

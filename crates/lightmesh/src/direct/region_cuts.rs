@@ -1,7 +1,8 @@
 //! Unshadowed light from many lights: regions of space, each with a cut through the light tree that all surface points
 //! in it share.
 //!
-//! A region is a cell of a regular grid over the scene's box. Its cut depends on region, scene and settings alone; it
+//! A region is a cell of a regular grid over the mesh's focus, or over the scene's box; away from the focus cells grow as
+//! the mesh's do. Its cut depends on region, scene and settings alone; it
 //! is made when a surface first needs it, and kept as node numbers, 4 B each: lights are packed into blocks when they
 //! are used, once for all vertices of a wave that lie in the region.
 
@@ -11,13 +12,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::encoding::MOST_LEAVES;
+use crate::mesh::Focus;
 use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
 use crate::{Error, Falloff, RenderOptions, Scene};
 
 /// Up to this number of samples, light is summed one by one: that takes less time than a cut through more would.
 const FEW: usize = 512;
 
-/// Regions along the longest edge of the scene's box.
+/// Regions along the longest edge of the box.
 const REGIONS: f32 = 40.0;
 
 /// Surface points summed at a time where there are no regions.
@@ -32,8 +34,10 @@ pub(crate) struct RegionCuts {
     tree: Option<LightTree>,
     /// [`TransportOptions::light_error`](crate::TransportOptions::light_error).
     error: f32,
+    /// A corner of a region near the focus, and its edge, metres.
     origin: Vec3,
     edge: f32,
+    focus: Option<Focus>,
     cuts: HashMap<Region, Box<[u32]>>,
     /// φ3 of the cuts.
     falloff: Falloff,
@@ -41,14 +45,17 @@ pub(crate) struct RegionCuts {
     most_bytes: u64,
 }
 
-/// Cell coordinates, 21 bits each.
+/// Cell coordinates plus 2¹⁸, 19 bits each, and how often the edge has been doubled.
 pub(super) type Region = u64;
+
+const REGION_BITS: u32 = 19;
+const REGION_BIAS: f32 = (1 << 18) as f32;
 
 impl RegionCuts {
     /// # Errors
     /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
     /// `options.limits.max_memory`.
-    pub(crate) fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
+    pub(crate) fn new(scene: &Scene, focus: Option<Focus>, options: &RenderOptions) -> Result<Self, Error> {
         // Build a tree if there are many lights and it fits into memory.
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
@@ -73,13 +80,15 @@ impl RegionCuts {
                 }
             };
 
-        // Divide the scene's box into regions.
+        // Divide the box into regions.
         let bounds = scene.bounds();
+        let longest = focus.map_or(bounds.size().max_element(), |focus| focus.longest_edge());
         Ok(Self {
             tree,
             error: options.transport.light_error,
-            origin: bounds.min,
-            edge: bounds.size().max_element().max(1e-20) / REGIONS,
+            origin: focus.map_or(bounds.min, |focus| focus.min.into()),
+            edge: longest.max(1e-20) / REGIONS,
+            focus,
             cuts: HashMap::new(),
             falloff: options.transport.falloff,
             kept_bytes: 0,
@@ -161,27 +170,38 @@ impl RegionCuts {
 
     /// Returns the region of a position.
     pub(crate) fn region(&self, p: Vec3) -> Region {
-        let cell = ((p - self.origin) / self.edge).clamp(Vec3::ZERO, Vec3::splat(((1 << 21) - 1) as f32)).as_u64vec3();
-        cell.x | cell.y << 21 | cell.z << 42
+        let doublings = self.focus.map_or(0, |focus| focus.doublings(focus.distance(p)));
+        let cell = ((p - self.origin) / self.edge_after(doublings)).floor() + REGION_BIAS;
+        let cell = cell.clamp(Vec3::ZERO, Vec3::splat(2.0 * REGION_BIAS - 1.0)).as_u64vec3();
+        cell.x | cell.y << REGION_BITS | cell.z << (2 * REGION_BITS) | u64::from(doublings) << (3 * REGION_BITS)
     }
 
     /// Returns the middle of a region, metres.
     pub(super) fn centre(&self, region: Region) -> Vec3 {
-        self.corner(region) + 0.5 * self.edge
+        self.corner(region) + 0.5 * self.edge_of(region)
     }
 
     /// Returns the lower corner of a region, metres.
     fn corner(&self, region: Region) -> Vec3 {
-        let cell = [region, region >> 21, region >> 42].map(|c| (c & ((1 << 21) - 1)) as f32);
-        self.origin + Vec3::from_array(cell) * self.edge
+        let part = |n: u32| (region >> (n * REGION_BITS) & ((1 << REGION_BITS) - 1)) as f32 - REGION_BIAS;
+        self.origin + Vec3::new(part(0), part(1), part(2)) * self.edge_of(region)
+    }
+
+    /// Returns the edge of a region, metres.
+    fn edge_of(&self, region: Region) -> f32 {
+        self.edge_after((region >> (3 * REGION_BITS)) as u32)
+    }
+
+    fn edge_after(&self, doublings: u32) -> f32 {
+        self.edge * (1_u64 << doublings) as f32
     }
 
     /// Returns the surfaces that a region may have.
     fn receivers(&self, region: Region) -> Receivers {
-        let min = self.corner(region);
+        let (min, edge) = (self.corner(region), self.edge_of(region));
         // Positions are rounded.
-        let slack = Vec3::splat(self.edge * 1e-3);
-        Receivers::within(min - slack, min + self.edge + slack)
+        let slack = Vec3::splat(edge * 1e-3);
+        Receivers::within(min - slack, min + edge + slack)
     }
 
     /// Returns the points with their regions, region by region; nothing where there are no regions.

@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 
 use super::bright_spots::BrightSpots;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult};
+use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Levels, Marks, Points, ReadResult};
 use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
@@ -71,7 +71,7 @@ pub(crate) enum IndirectReading {
 impl IndirectField {
     pub(crate) fn new(
         scene: &Scene,
-        lattices: Vec<Lattice>,
+        levels: Levels,
         interpolator: Interpolator,
         options: &RenderOptions,
     ) -> Self {
@@ -80,7 +80,7 @@ impl IndirectField {
         let spots = if faces == CubeFaces::Six { BrightSpots::find(scene) } else { BrightSpots::default() };
         Self {
             spots,
-            points: Points::new(lattices, interpolator),
+            points: Points::new(levels, interpolator),
             faces,
             gather_rays: options.mesh.gather_rays,
             depth: options.transport.depth,

@@ -8,15 +8,18 @@
 
 mod prefill;
 mod snapshot;
+mod views;
 
 use glam::Vec3;
 pub(crate) use snapshot::PointCursor;
 pub use snapshot::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, PointSnapshot, Snapshot};
 
 use crate::direct::DirectField;
+use crate::direct::encoding::refuse;
+use crate::geometry::Aabb;
 use crate::indirect::IndirectField;
-use crate::mesh::{Interpolator, Lattice, Marks, PointRequests, requests};
-use crate::{Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
+use crate::mesh::{FinerLevels, Focus, Interpolator, Levels, Marks, PointRequests, Points, requests};
+use crate::{Camera, Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
 /// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one
 /// [`MeshKey`]. Cameras, picture sizes and sample counts may change from frame to frame, and so may the number of
@@ -41,45 +44,76 @@ pub(crate) struct LightMarks {
 }
 
 impl LightMesh {
-    /// Makes empty meshes over the scene's box.
+    /// Makes empty meshes of the same density in all of the scene's box.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the hierarchy of lights would not
     /// fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
-        // Choose the lattices of a mesh, the coarsest level first.
+        Self::with_focus(scene, options, None)
+    }
+
+    /// Makes empty meshes for pictures by these cameras: where the spacing is [`Spacing::Auto`], it is a part of the
+    /// room that they see, not of the scene's box, and grows with the distance to that room. What is around it changes
+    /// nothing in it.
+    ///
+    /// # Errors
+    /// As [`LightMesh::new`].
+    pub fn for_cameras(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) -> Result<Self, Error> {
+        Self::with_focus(scene, options, views::focus(scene, cameras))
+    }
+
+    /// Makes empty meshes with the focus of another one ([`LightMesh::focus`]).
+    ///
+    /// # Errors
+    /// As [`LightMesh::new`], and [`Error::InvalidContents`] for a focus that is no box.
+    pub fn with_focus(scene: &Scene, options: &RenderOptions, focus: Option<Focus>) -> Result<Self, Error> {
+        let is_box = |focus: Focus| Focus::on(&Aabb { min: focus.min.into(), max: focus.max.into() }).is_some();
+        if let Some(focus) = focus.filter(|&focus| !is_box(focus)) {
+            return refuse("focus", format!("{focus:?} is no box that a mesh can have"));
+        }
+        // Choose the lattices of a mesh.
         options.validate()?;
         let (interpolator, resolved) = (Interpolator::of(options), options.resolved());
-        let lattices = |option, spacing: Spacing| {
-            let bounds = scene.bounds();
-            // A scene may be a single point of a user's shape: any spacing will do.
-            let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
-            let level = |l: u32| Lattice::new(option, &bounds, spacing / (1 << l) as f32, interpolator.reach());
-            let mut levels = (0..=resolved.refinements).map(level).collect::<Result<Vec<_>, _>>()?;
-            // Leave out levels for distance that would have too many points along an axis.
-            levels.extend((resolved.refinements + 1..=resolved.finer_levels).map_while(|l| level(l).ok()));
-            Ok::<_, Error>(levels)
+        let finer = FinerLevels { needed: resolved.refinements, most: resolved.finer_levels };
+        let levels = |option, asked: Spacing, resolved: Spacing| {
+            let (bounds, reach) = (scene.bounds(), interpolator.reach());
+            match focus.filter(|_| asked == Spacing::Auto) {
+                Some(focus) => {
+                    Levels::around(option, focus, &bounds, resolved.metres(focus.longest_edge()), reach, finer)
+                }
+                // A scene may be a single point of a user's shape: any spacing will do.
+                None => {
+                    let longest = bounds.size().max_element().max(1e-20);
+                    Levels::over(option, &bounds, resolved.metres(longest), reach, finer)
+                }
+            }
         };
 
         // Make the meshes that the method uses.
         let has_indirect =
             options.method.has_mesh() && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
         let indirect = match has_indirect {
-            true => Some(lattices("indirect-spacing", resolved.indirect_spacing)?),
+            true => Some(levels("indirect-spacing", options.mesh.indirect_spacing, resolved.indirect_spacing)?),
             false => None,
         };
-        let direct = lattices("spacing", resolved.spacing)?;
+        let direct = levels("spacing", options.mesh.spacing, resolved.spacing)?;
         Ok(Self {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,
             generation: 0,
             direct: DirectField::new(scene, direct, interpolator, options)?,
-            indirect: indirect
-                .map(|lattices| IndirectField::new(scene, lattices, interpolator.without_rules(), options)),
+            indirect: indirect.map(|levels| IndirectField::new(scene, levels, interpolator.without_rules(), options)),
         })
     }
 
-    /// Returns all that its values depend on beside the scene.
+    /// Returns where the meshes are fine; `None` where they have the same density everywhere.
+    pub fn focus(&self) -> Option<Focus> {
+        let indirect = self.indirect.as_ref().and_then(|field| field.points().focus());
+        self.direct.points().focus().or(indirect)
+    }
+
+    /// Returns all that its values depend on beside the scene, its focus and the bounces.
     pub fn key(&self) -> &MeshKey {
         &self.key
     }
@@ -154,11 +188,13 @@ impl LightMesh {
         self.indirect.is_some()
     }
 
-    /// Returns how many levels the meshes may have. Which points of a finer level a picture needs may only be found
+    /// Returns how many levels a surface may read at one place. Which points of a finer level a picture needs may only be found
     /// when those of the coarser one have been evaluated.
     pub fn level_count(&self) -> u32 {
-        let indirect = self.indirect.as_ref().map_or(0, |field| field.points().level_count());
-        self.direct.points().level_count().max(indirect)
+        // A surface between levels reads both.
+        let levels = |points: &Points| points.level_count() - points.base() + u32::from(points.focus().is_some());
+        let indirect = self.indirect.as_ref().map_or(0, |field| levels(field.points()));
+        levels(self.direct.points()).max(indirect)
     }
 
     /// Returns empty marks for both meshes.

@@ -16,7 +16,7 @@ const DIRECT_AT_ONCE: usize = 1 << 14;
 const INDIRECT_AT_ONCE: usize = 1 << 11;
 
 impl LightMesh {
-    /// Evaluates every point of both meshes, on their coarsest level, that lies in a box (metres, clipped to the
+    /// Evaluates every point of both meshes, before any refinement, that lies in a box (metres, clipped to the
     /// lattices), and all points that the indirect ones depend on. Points that have been evaluated before are left as
     /// they are. Surfaces in a box read points up to a spacing beyond it.
     ///
@@ -33,7 +33,7 @@ impl LightMesh {
         progress: &dyn Progress,
     ) -> Result<RenderStats, Error> {
         self.prefill(scene, options, progress, |points, marks| {
-            if let Some(block) = points.level(0).lattice.points_in(bounds) {
+            if let Some(block) = points.level(points.base()).lattice.points_in(bounds) {
                 mark_block(points, marks, block);
             }
         })
@@ -54,7 +54,7 @@ impl LightMesh {
         let spacing = self.direct.points().spacing();
         self.prefill(scene, options, progress, |points, marks| {
             positions.par_iter().filter(|&&p| covers(scene, spacing, p)).for_each(|&p| {
-                mark_block(points, marks, points.interpolator.range_around(&points.level(0).lattice, p));
+                mark_block(points, marks, points.interpolator.range_around(&points.level(points.base()).lattice, p));
             });
         })
     }
@@ -129,12 +129,12 @@ pub(super) fn covers(scene: &Scene, spacing: f32, position: Vec3) -> bool {
     position.cmpge(bounds.min - slack).all() && position.cmple(bounds.max + slack).all()
 }
 
-/// Marks the points of a block on the coarsest level that are empty.
+/// Marks the points of a block of the base that are empty.
 fn mark_block(points: &Points, marks: &Marks, PointBlock { low, high }: PointBlock) {
     (low.z..=high.z).into_par_iter().for_each(|z| {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
-                mark_empty(points, marks, &[Address { level: 0, coordinate: IVec3::new(x, y, z) }]);
+                mark_empty(points, marks, &[Address { level: points.base(), coordinate: IVec3::new(x, y, z) }]);
             }
         }
     });

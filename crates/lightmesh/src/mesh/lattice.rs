@@ -42,8 +42,9 @@ pub(crate) struct Lattice {
     origin: Vec3,
     spacing: f32,
     inv_spacing: f32,
-    /// Points inside the scene's box.
+    /// Points inside the scene's box, and whether there are such points everywhere in it.
     inside: u64,
+    has_all: bool,
     size: UVec3,
     /// The lower corners of the first and the last cell.
     first: Vec3,
@@ -52,16 +53,23 @@ pub(crate) struct Lattice {
 
 impl Lattice {
     /// A lattice over `bounds`. Its points lie half a cell off the box's lower walls, so that a wall on them does not
-    /// cut through points, and go on `reach` cells beyond on every side.
+    /// cut through points, and go on `reach` cells beyond on every side. Those in the box `scene`, too, are counted.
     ///
     /// `option` names the spacing in messages.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for too many points along an axis.
-    pub(crate) fn new(option: &'static str, bounds: &Aabb, spacing: f32, reach: u32) -> Result<Self, Error> {
+    pub(crate) fn new(
+        option: &'static str,
+        bounds: &Aabb,
+        scene: &Aabb,
+        spacing: f32,
+        reach: u32,
+    ) -> Result<Self, Error> {
         // Count cells, in f64: they may be too many.
-        let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
-        let cells = inside + f64::from(2 * reach);
+        let along = |size: Vec3| (size.as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
+        let cells = along(bounds.size()) + f64::from(2 * reach);
+        let shared = Aabb { min: bounds.min.max(scene.min), max: bounds.max.min(scene.max) };
         let bricks = (cells / 8.0).ceil();
         if cells.max_element() > MAX_CELLS {
             let what = format!(
@@ -76,7 +84,8 @@ impl Lattice {
             origin: bounds.min - (reach as f32 - 0.5) * spacing,
             spacing,
             inv_spacing: 1.0 / spacing,
-            inside: inside.as_u64vec3().element_product(),
+            inside: along(shared.size()).as_u64vec3().element_product(),
+            has_all: shared == *scene,
             size: (bricks * 8.0).as_uvec3(),
             first: Vec3::ZERO,
             last: (bricks * 8.0 - 2.0).as_vec3(),
@@ -107,6 +116,11 @@ impl Lattice {
     /// Returns the number of points inside the scene's box; the lattice goes on beyond it to whole bricks.
     pub(super) fn point_count(&self) -> u64 {
         self.inside
+    }
+
+    /// Returns whether it has the whole of the scene's box.
+    pub(super) fn has_all_of_scene(&self) -> bool {
+        self.has_all
     }
 
     /// Returns a point's position, metres.
@@ -200,7 +214,7 @@ mod tests {
 
     fn lattice() -> Lattice {
         let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(9.0, 4.0, 10.0) };
-        Lattice::new("spacing", &bounds, 0.25, 1).expect("small")
+        Lattice::new("spacing", &bounds, &bounds, 0.25, 1).expect("small")
     }
 
     /// The example of the module's documentation, and back; keys ascend along x, then y, then z.
@@ -256,10 +270,10 @@ mod tests {
     #[test]
     fn an_absurd_spacing_is_refused_before_anything_is_allocated() {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
-        let error = Lattice::new("spacing", &bounds, 1e-9, 1).expect_err("too fine");
+        let error = Lattice::new("spacing", &bounds, &bounds, 1e-9, 1).expect_err("too fine");
         assert!(error.to_string().contains("spacing"), "{error}");
         let wire = Aabb { min: Vec3::ZERO, max: Vec3::new(1e6, 1.0, 1.0) };
-        let error = Lattice::new("spacing", &wire, 1.0, 1).expect_err("too long");
+        let error = Lattice::new("spacing", &wire, &wire, 1.0, 1).expect_err("too long");
         assert!(error.to_string().contains("spacing"), "{error}");
     }
 }

@@ -7,9 +7,11 @@ use glam::Vec3;
 
 use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
-use super::lattice::{self, Coordinate, Lattice};
+use super::focus::Focus;
+use super::lattice::{self, Coordinate};
+use super::levels::Levels;
 use super::marks::{MarkedPoints, Marks};
-use super::refinement::RefinementLevel;
+use super::refinement::{NearFocus, RefinementLevel};
 use super::stencil::{Interpolator, trilinear};
 use crate::interaction::ShadingPoint;
 use crate::{Error, MeshStats};
@@ -44,6 +46,9 @@ impl Costs {
 pub(crate) struct Points {
     /// The coarsest first.
     levels: Vec<RefinementLevel>,
+    /// See [`Levels::base`].
+    base: u32,
+    focus: Option<Focus>,
     pub(crate) interpolator: Interpolator,
     /// By index of the filled point.
     addresses: Vec<Address>,
@@ -53,15 +58,30 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    /// `lattices` by level.
-    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator) -> Self {
-        let levels = lattices.into_iter().map(RefinementLevel::new).collect();
-        Self { levels, interpolator, addresses: Vec::new(), clearances: Vec::new(), invalid: Vec::new() }
+    /// No points yet.
+    pub(crate) fn new(levels: Levels, interpolator: Interpolator) -> Self {
+        let Levels { lattices, base, focus } = levels;
+        // Each level before the base ends where the next one begins.
+        let near_focus = |level: u32| {
+            let focus = focus.filter(|_| level < base)?;
+            Some(NearFocus { focus, radius: focus.radius(base - 1 - level) })
+        };
+        let numbered = lattices.into_iter().zip(0..);
+        Self {
+            levels: numbered.map(|(lattice, level)| RefinementLevel::new(lattice, near_focus(level))).collect(),
+            base,
+            focus,
+            interpolator,
+            addresses: Vec::new(),
+            clearances: Vec::new(),
+            invalid: Vec::new(),
+        }
     }
 
     /// The same lattices without a point.
     pub(crate) fn without_points(&self) -> Self {
-        Self::new(self.levels.iter().map(|level| level.lattice.clone()).collect(), self.interpolator)
+        let lattices = self.levels.iter().map(|level| level.lattice.clone()).collect();
+        Self::new(Levels { lattices, base: self.base, focus: self.focus }, self.interpolator)
     }
 
     /// Returns the number of filled points, whose indices go from 0 up.
@@ -73,6 +93,30 @@ impl Points {
     #[inline(always)]
     pub(crate) fn level(&self, level: u32) -> &RefinementLevel {
         &self.levels[level as usize]
+    }
+
+    /// Returns the level that surfaces read near the focus, where no picture refines them.
+    pub(crate) fn base(&self) -> u32 {
+        self.base
+    }
+
+    /// Where the mesh is fine.
+    pub(crate) fn focus(&self) -> Option<Focus> {
+        self.focus
+    }
+
+    /// Returns the level at which reading a surface at `p` begins: all points that it might read on coarser ones are
+    /// refined.
+    #[inline(always)]
+    pub(crate) fn first_level(&self, p: Vec3) -> u32 {
+        let Some(focus) = &self.focus else { return self.base };
+        let distance = focus.distance(p);
+        let mut level = self.base;
+        // Corners of the cell of a position next to the surface are up to so far away along an axis.
+        while level > 0 && distance + 1.75 * self.level(level - 1).lattice.spacing() >= focus.radius(self.base - level) {
+            level -= 1;
+        }
+        level
     }
 
     /// Returns how many levels there may be.
@@ -105,9 +149,9 @@ impl Points {
         &self.invalid
     }
 
-    /// Returns the distance between neighbours on the coarsest level, metres.
+    /// Returns the distance between neighbours on the base, metres.
     pub(crate) fn spacing(&self) -> f32 {
-        self.levels[0].lattice.spacing()
+        self.level(self.base).lattice.spacing()
     }
 
     /// Returns the address of a filled point.
@@ -128,7 +172,7 @@ impl Points {
 
     /// Returns where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
     pub(crate) fn cell(&self, vertex: &ShadingPoint) -> (u32, Coordinate) {
-        let mut level_index = 0;
+        let mut level_index = self.first_level(vertex.position);
         loop {
             let level = self.level(level_index);
             let stencil = trilinear(&level.lattice, vertex);
@@ -151,7 +195,7 @@ impl Points {
     pub(crate) fn refine_by_distance(&mut self, eye: Vec3, metres: f32, surface_points: &[Vec3], max_cells: u64) {
         // From level to level, count the cells in the sphere before it is refined.
         let (mut cells, mut radius) = (0, metres);
-        for level in 0..self.levels.len() - 1 {
+        for level in self.base as usize..self.levels.len() - 1 {
             let lattice = &self.levels[level].lattice;
             let near = surface_points.iter().filter(|p| p.distance_squared(eye) < radius * radius);
             cells += near.map(|&p| lattice.cell(p).0.to_array()).collect::<HashSet<_>>().len() as u64;
@@ -235,12 +279,22 @@ impl Points {
 
     /// Returns the number of points so far, and the memory of them and of `value_bytes` of values.
     pub(crate) fn stats(&self, value_bytes: u64) -> MeshStats {
-        let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > 0).count();
+        // Those of the base, and of coarser levels where these end before the scene does.
+        let (mut total, mut level) = (0, self.base);
+        loop {
+            let lattice = &self.level(level).lattice;
+            total += lattice.point_count();
+            if lattice.has_all_of_scene() || level == 0 {
+                break;
+            }
+            level -= 1;
+        }
+        let refined = self.addresses.iter().chain(&self.invalid).filter(|address| address.level > self.base).count();
         MeshStats {
             spacing_m: f64::from(self.spacing()),
             points_used: (self.len() + self.invalid.len()) as u64,
             points_refined: refined as u64,
-            points_total: self.levels[0].lattice.point_count(),
+            points_total: total,
             points_invalid: self.invalid.len() as u64,
             bytes: self.brick_bytes() + self.len() as u64 * Self::BYTES_PER_POINT + value_bytes,
         }

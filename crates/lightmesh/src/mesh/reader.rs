@@ -2,56 +2,41 @@
 
 mod cached;
 mod cell_cache;
+mod level_reader;
 mod occlusion;
 
 pub(crate) use cached::CachedReader;
-use cell_cache::CellCache;
 use glam::Vec3;
+use level_reader::LevelReader;
 pub(crate) use occlusion::choose;
 
-use super::bricks::Slot;
-use super::corners::{ONES, corner, corners_of};
-use super::lattice::Coordinate;
 use super::marks::Marks;
-use super::missing_corners::read_with;
-use super::points::{Address, Points};
+use super::points::Points;
 use super::read_result::{CornerVisibility, ReadResult, VisibleCorners};
-use super::refinement::RefinementLevel;
-use super::stencil::{Interpolator, Stencil, nearest, sphere, trilinear};
+use super::stencil::Interpolator;
 use crate::interaction::ShadingPoint;
 use crate::world::Scene;
 
-/// Reads the points of one level, vertex by vertex, and those of the next level where that takes over.
+/// Reads the points of a mesh, vertex by vertex: on the level that the vertex' distance from the mesh's focus asks for,
+/// and on finer ones where these take over.
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
     scene: &'a Scene,
     points: &'a Points,
-    level_index: u32,
-    level: &'a RefinementLevel,
     visibility: CornerVisibility,
-    /// The cell of the last vertex.
-    cell: CellCache,
-    /// Cells entered so far.
-    visits: u64,
-    visibility_rays: u64,
-    /// The corners that the last vertex should read but cannot, a bit each.
-    missing: u8,
-    /// Whether the last vertex read the next level, too.
-    blended: bool,
-    /// Whether something stands before the last vertex' plane in its cell; set only where visibility is deferred.
-    near_occluder: bool,
-    /// Reads the next level.
-    finer: Option<Box<Self>>,
+    /// Begins at the level of the last vertex.
+    level: LevelReader<'a>,
+    /// Those that begin at other levels.
+    others: Vec<LevelReader<'a>>,
+    /// How often vertices have changed between them.
+    changes: u64,
 }
-
-/// Usable corners with less than this part of the weight get a ray each. Empirical: a half catches both sides of a gap
-/// between a box and a wall (a test's furnace); a ray to each, always, is the same there and takes more rays.
-const MINORITY: f32 = 0.5;
 
 impl Points {
     /// Returns a reader for one thread.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
-        Reader::new(scene, self, visibility)
+        let level = LevelReader::new(scene, self, self.base(), visibility);
+        Reader { scene, points: self, visibility, level, others: Vec::new(), changes: 0 }
     }
 
     /// Marks the points that vertices read and that are empty, also those that are hidden from the vertices.
@@ -65,29 +50,6 @@ impl Points {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads the coarsest level, and finer ones where they take over.
-    pub(crate) fn new(scene: &'a Scene, points: &'a Points, visibility: CornerVisibility) -> Self {
-        Self::of_level(scene, points, 0, visibility)
-    }
-
-    /// Reads a level, where the level before lets it.
-    fn of_level(scene: &'a Scene, points: &'a Points, level_index: u32, visibility: CornerVisibility) -> Self {
-        Self {
-            scene,
-            points,
-            level_index,
-            level: points.level(level_index),
-            visibility,
-            cell: CellCache::new(),
-            visits: 0,
-            visibility_rays: 0,
-            missing: 0,
-            blended: false,
-            near_occluder: false,
-            finer: None,
-        }
-    }
-
     /// Returns whether vertices read the corners of their cells.
     #[inline(always)]
     pub(crate) fn reads_cells(&self) -> bool {
@@ -96,104 +58,15 @@ impl<'a> Reader<'a> {
 
     /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
-        self.visibility_rays + self.finer.as_ref().map_or(0, |finer| finer.visibility_rays())
+        self.others.iter().map(LevelReader::visibility_rays).sum::<u64>() + self.level.visibility_rays()
     }
 
     /// Visits (index, φ4) of every point of D_y, if all of them have been evaluated. Those that are still empty are
     /// marked instead: marks are bits that are only ever set, so neither the order nor the thread matters.
     #[inline(always)]
-    pub(crate) fn read(
-        &mut self,
-        vertex: &ShadingPoint,
-        marks: &Marks,
-        mut visit_point: impl FnMut(u32, f32),
-    ) -> ReadResult {
-        // The eight corners of a cell have readers of their own.
-        let points = self.points;
-        if points.interpolator == Interpolator::Trilinear {
-            return self.read_cell(vertex, marks, visit_point);
-        }
-        if let Interpolator::TrilinearWith(rule) = points.interpolator {
-            let mark = |coordinate| points.mark(Address { level: self.level_index, coordinate }, marks);
-            return read_with(self.level, rule, vertex, mark, visit_point);
-        }
-
-        // Visit what is filled, and mark what is empty.
-        let (mut any, mut empty) = (false, false);
-        let mut visit = |coordinate: Coordinate, weight: f32| {
-            let slot = self.level.slot(coordinate);
-            match slot {
-                Slot::Filled(index) if weight > 0.0 => {
-                    any = true;
-                    visit_point(index, weight);
-                }
-                Slot::Filled(_) | Slot::Invalid => {}
-                Slot::Empty => {
-                    points.mark(Address { level: self.level_index, coordinate }, marks);
-                    empty = true;
-                }
-            }
-            slot
-        };
-        match points.interpolator {
-            Interpolator::Sphere(stencil) => sphere(&self.level.lattice, vertex, stencil, visit),
-            _ => nearest(&self.level.lattice, vertex, |coordinate| visit(coordinate, 1.0)),
-        }
-
-        // One empty point is enough to wait for.
-        match (empty, any) {
-            (true, _) => ReadResult::Pending,
-            (false, true) => ReadResult::Value,
-            (false, false) => ReadResult::Unavailable,
-        }
-    }
-
-    /// [`Self::read`] for the corners of the vertex' cell.
-    #[inline(always)]
-    fn read_cell(&mut self, vertex: &ShadingPoint, marks: &Marks, mut visit: impl FnMut(u32, f32)) -> ReadResult {
-        let visible = match self.corners(vertex, marks) {
-            Ok(visible) => visible,
-            Err(outcome) => return outcome,
-        };
-        if visible.refined > 0.0 {
-            return self.blend(&visible, 1.0, vertex, marks, &mut visit);
-        }
-        for k in corners_of(visible.mask) {
-            visit(self.index(k), visible.weights[k / 4][k % 4]);
-        }
-        ReadResult::Value
-    }
-
-    /// Visits the visible corners of this level and those of the finer ones that take over from it (see
-    /// [`RefinementLevel`]), with weights of the sum `share`.
-    #[cold]
-    fn blend(
-        &mut self,
-        visible: &VisibleCorners,
-        share: f32,
-        vertex: &ShadingPoint,
-        marks: &Marks,
-        visit: &mut dyn FnMut(u32, f32),
-    ) -> ReadResult {
-        // Visit the corners of this level.
-        let own: f32 = visible.weights.iter().map(|w| w.element_sum()).sum();
-        let scale = share / (own + visible.refined);
-        for k in corners_of(visible.mask) {
-            visit(self.index(k), scale * visible.weights[k / 4][k % 4]);
-        }
-        if visible.refined == 0.0 {
-            return ReadResult::Value;
-        }
-
-        // The next level gets the rest of the weight.
-        let (scene, points, next, visibility) = (self.scene, self.points, self.level_index + 1, self.visibility);
-        self.blended = true;
-        let finer = self.finer.get_or_insert_with(|| Box::new(Self::of_level(scene, points, next, visibility)));
-        match finer.corners(vertex, marks) {
-            Ok(finest) => finer.blend(&finest, scale * visible.refined, vertex, marks, visit),
-            Err(ReadResult::Unavailable) if visible.mask != 0 => ReadResult::Value,
-            Err(outcome) => outcome,
-        }
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks, visit: impl FnMut(u32, f32)) -> ReadResult {
+        self.enter_level(vertex);
+        self.level.read(vertex, marks, visit)
     }
 
     /// Returns the corners of the vertex' cell that are visible from it. [`Self::visits`] tells whether it is another
@@ -203,118 +76,54 @@ impl<'a> Reader<'a> {
     /// [`ReadResult::Unavailable`] or [`ReadResult::Pending`].
     #[inline(always)]
     pub(crate) fn corners(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Result<VisibleCorners, ReadResult> {
-        // Look up the cell, unless it is the last vertex'.
-        let stencil = trilinear(&self.level.lattice, vertex);
-        (self.missing, self.blended) = (0, false);
-        if stencil.cell != self.cell.coordinate {
-            self.enter(stencil.cell);
-        }
-
-        // Mark the corners that are empty.
-        let read = stencil.read & !self.cell.refined;
-        let refined = stencil.sum(stencil.read & self.cell.refined);
-        let empty = read & self.cell.empty;
-        if empty != 0 {
-            for k in corners_of(empty & !self.cell.marked) {
-                let coordinate = corner(self.cell.coordinate, k);
-                self.points.mark(Address { level: self.level_index, coordinate }, marks);
-            }
-            self.cell.marked |= empty;
-            return Err(ReadResult::Pending);
-        }
-        let usable = read & self.cell.filled;
-        if usable == 0 {
-            return if refined > 0.0 { Ok(VisibleCorners::nothing(refined)) } else { Err(ReadResult::Unavailable) };
-        }
-
-        // Where visibility is deferred, take all usable corners, unless they are few.
-        if matches!(self.visibility, CornerVisibility::Deferred { .. }) {
-            self.near_occluder = !self.cell.is_clear(vertex, &stencil, usable);
-            let mask = if is_minority(&stencil, read, usable) { self.trace_each(vertex, usable) } else { usable };
-            return self.visible(mask, &stencil, read, refined);
-        }
-
-        // Otherwise find the corners that may be hidden, and trace rays only if there are any or the cell is divided.
-        let is_connected = self.cell.is_connected(usable);
-        let occluded = if is_minority(&stencil, read, usable) {
-            usable
-        } else if self.cell.is_clear(vertex, &stencil, u8::MAX) {
-            self.cell.boxed_in & usable
-        } else {
-            self.cell.occluded(&self.level.lattice, vertex, &stencil) & usable
-        };
-        let mask = match is_connected && occluded == 0 {
-            true => usable,
-            false => self.trace_occlusion(vertex, &stencil, usable, occluded),
-        };
-        self.visible(mask, &stencil, read, refined)
-    }
-
-    /// Returns the corners of `mask`, for a vertex that should read those of `read`.
-    #[inline(always)]
-    fn visible(&mut self, mask: u8, stencil: &Stencil, read: u8, refined: f32) -> Result<VisibleCorners, ReadResult> {
-        if mask == 0 {
-            return if refined > 0.0 { Ok(VisibleCorners::nothing(refined)) } else { Err(ReadResult::Unavailable) };
-        }
-        let [lower, upper] = stencil.weights;
-        let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
-        self.missing = read & !mask;
-        Ok(VisibleCorners { mask, weights, refined })
+        self.enter_level(vertex);
+        self.level.corners(vertex, marks)
     }
 
     /// Returns how many cells have been entered: as long as the number stays, the corners are the same points.
     #[inline(always)]
     pub(crate) fn visits(&self) -> u64 {
-        self.visits
+        (self.changes << 40) + self.level.visits()
     }
 
     /// Returns a mean direction, of any length, from the vertex that was read last to the corners that it should read
     /// but cannot, on all levels that it read: they are inside solids or hidden from it. Zero where there are none.
     #[inline(always)]
     pub(crate) fn towards_missing(&self, vertex: &ShadingPoint) -> Vec3 {
-        if self.missing == 0 && !self.blended { Vec3::ZERO } else { self.sum_of_missing(vertex) }
+        self.level.towards_missing(vertex)
     }
 
     /// Returns whether something stands before the plane of the vertex that was read last, in the cells that it read.
     /// Computed only where visibility is deferred.
     pub(crate) fn has_near_occluder(&self) -> bool {
-        self.near_occluder || self.finer.as_ref().is_some_and(|finer| self.blended && finer.has_near_occluder())
-    }
-
-    /// Returns the sum of the vectors from a vertex to the corners that it cannot read, in spacings.
-    fn sum_of_missing(&self, vertex: &ShadingPoint) -> Vec3 {
-        let lattice = &self.level.lattice;
-        let to_corner = |k| (lattice.point(corner(self.cell.coordinate, k)) - vertex.position) * lattice.inv_spacing();
-        let own: Vec3 = corners_of(self.missing).map(to_corner).sum();
-        let finer = self.finer.as_ref().filter(|_| self.blended);
-        own + finer.map_or(Vec3::ZERO, |finer| finer.towards_missing(vertex))
+        self.level.has_near_occluder()
     }
 
     /// Returns the index of corner k, which is filled.
     #[inline(always)]
     pub(crate) fn index(&self, k: usize) -> u32 {
-        self.cell.index(k)
+        self.level.index(k)
     }
 
-    /// Looks up the corners of another cell.
-    fn enter(&mut self, coordinate: Coordinate) {
-        self.visits += 1;
-        self.cell.enter(self.points, self.level, coordinate);
-        // Where only the sum counts, refinement plays no part: points must not depend on it.
-        let is_last = self.level_index + 1 == self.points.level_count();
-        let is_coarse =
-            matches!(self.visibility, CornerVisibility::Stochastic | CornerVisibility::Deferred { finer: false });
-        self.cell.refined = if is_last || is_coarse { 0 } else { self.level.refined(coordinate) };
-        if !matches!(self.visibility, CornerVisibility::Deferred { .. }) {
-            self.cell.find_free_edges();
+    /// Changes to the reader that begins at the level of a vertex.
+    #[inline(always)]
+    fn enter_level(&mut self, vertex: &ShadingPoint) {
+        let level = self.points.first_level(vertex.position);
+        if level != self.level.level_index {
+            self.change_level(level);
         }
     }
-}
 
-/// Returns whether the usable corners are but the lesser part of those that the vertex should read, the rest being
-/// inside solids. What lies across the edge of a wall or a solid then may be hidden though no wall crosses an edge of
-/// the cell.
-#[inline(always)]
-fn is_minority(stencil: &Stencil, read: u8, usable: u8) -> bool {
-    read != usable && stencil.sum(usable) < MINORITY * stencil.sum(read)
+    #[cold]
+    fn change_level(&mut self, level: u32) {
+        self.changes += 1;
+        let known = self.others.iter_mut().find(|other| other.level_index == level);
+        match known {
+            Some(other) => std::mem::swap(other, &mut self.level),
+            None => {
+                let new = LevelReader::new(self.scene, self.points, level, self.visibility);
+                self.others.push(std::mem::replace(&mut self.level, new));
+            }
+        }
+    }
 }

@@ -10,13 +10,14 @@
 //! cell whose corners are all refined is the finer level's alone, and a ring of cells around it blends. A refined point
 //! needs no value.
 //!
-//! Points are refined one by one, where a picture's light needs it, and in a sphere about the eye, where the mesh is to
-//! be denser.
+//! Points are refined near the mesh's focus, always; one by one, where a picture's light needs it, and in a sphere about
+//! the eye, where the mesh is to be denser.
 
 use glam::Vec3;
 
 use super::bricks::{Bricks, ByBrick, Slot};
 use super::corners::corner;
+use super::focus::Focus;
 use super::lattice::{self, BrickKey, Coordinate, Lattice};
 
 /// A lattice and the state of its points.
@@ -28,6 +29,16 @@ pub(crate) struct RefinementLevel {
     refined: ByBrick<BrickKey, [u64; 8]>,
     /// All points in this sphere are refined, too.
     near_eye: Option<EyeSphere>,
+    /// All points of which the focus is nearer than this are refined, whatever the picture.
+    near_focus: Option<NearFocus>,
+}
+
+/// Where a mesh is dense because its focus is near.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearFocus {
+    pub focus: Focus,
+    /// Metres.
+    pub radius: f32,
 }
 
 /// Where a mesh is dense because the eye is near.
@@ -39,9 +50,9 @@ struct EyeSphere {
 }
 
 impl RefinementLevel {
-    /// Empty points, none of them refined.
-    pub(crate) fn new(lattice: Lattice) -> Self {
-        Self { lattice, bricks: Bricks::default(), refined: ByBrick::default(), near_eye: None }
+    /// Empty points, none of them refined but those near the focus.
+    pub(super) fn new(lattice: Lattice, near_focus: Option<NearFocus>) -> Self {
+        Self { lattice, bricks: Bricks::default(), refined: ByBrick::default(), near_eye: None, near_focus }
     }
 
     /// Returns the slot of a point.
@@ -82,17 +93,18 @@ impl RefinementLevel {
         self.near_eye = Some(EyeSphere { eye, radius });
     }
 
-    /// Takes all refinement back.
+    /// Takes all refinement for a picture back.
     pub(super) fn reset_refinement(&mut self) {
         self.refined.clear();
         self.near_eye = None;
     }
 
-    /// Returns which corners of a cell are refined, a bit each.
+    /// Returns which corners of a cell are refined for a picture, or near the focus, a bit each.
     #[inline(always)]
     pub(super) fn refined(&self, cell: Coordinate) -> u8 {
+        let always = self.refined_near_focus(cell);
         if self.refined.is_empty() && self.near_eye.is_none() {
-            return 0;
+            return always;
         }
         // A corner is refined near the eye, or by itself.
         let is_refined = |k: usize| {
@@ -103,6 +115,14 @@ impl RefinementLevel {
             self.near_eye.is_some_and(is_near)
                 || self.refined.get(&brick).is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
         };
-        (0..8).map(|k| u8::from(is_refined(k)) << k).sum()
+        always | (0..8).map(|k| u8::from(is_refined(k)) << k).sum::<u8>()
+    }
+
+    /// Returns which corners of a cell are refined whatever the picture, a bit each.
+    #[inline(always)]
+    pub(super) fn refined_near_focus(&self, cell: Coordinate) -> u8 {
+        let Some(NearFocus { focus, radius }) = self.near_focus else { return 0 };
+        let is_near = |k| focus.distance(self.lattice.point(corner(cell, k))) < radius;
+        (0..8).map(|k| u8::from(is_near(k)) << k).sum()
     }
 }

@@ -18,21 +18,20 @@ pub(crate) fn usable_fraction(reader: &mut Reader<'_>, points: &Points, vertex: 
         usable += if matches!(slot, Slot::Filled(_)) { weight } else { 0.0 };
         slot
     };
+    let level = points.level(points.first_level(vertex.position));
     match points.interpolator {
         Interpolator::Trilinear => {
-            let stencil = trilinear(&points.level(0).lattice, vertex);
+            let stencil = trilinear(&level.lattice, vertex);
             if let Ok(visible) = reader.corners(vertex, marks) {
                 total = stencil.sum(stencil.read);
                 usable = stencil.sum(visible.mask) + visible.refined;
             }
         }
-        Interpolator::TrilinearWith(_) => return usable_share(points.level(0), vertex),
+        Interpolator::TrilinearWith(_) => return usable_share(level, vertex),
         Interpolator::Sphere(stencil) => {
-            let level = points.level(0);
             sphere(&level.lattice, vertex, stencil, |coordinate, w| visit(level.slot(coordinate), w));
         }
         Interpolator::Nearest => {
-            let level = points.level(0);
             nearest(&level.lattice, vertex, |coordinate| visit(level.slot(coordinate), 1.0));
         }
     }

@@ -9,13 +9,16 @@ mod merge;
 mod points;
 
 pub use crate::direct::DirectValues;
-use crate::mesh::LatticeShape;
+use crate::mesh::{Focus, LatticeShape};
 
 /// Points of one mesh. Valid points have values; invalid ones are inside solids or on surfaces and have none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointSnapshot {
     /// The lattice of each level; level l has half the spacing of level l − 1.
     pub lattices: Vec<LatticeShape>,
+    /// Where the mesh is fine. Its levels 0 to 23 then are for what is farther away. `None` where it has the same
+    /// density in all of the scene.
+    pub focus: Option<Focus>,
     /// Level and lattice coordinates of each valid point, `[level, i, j, k]`. N is their number.
     pub addresses: Vec<[i32; 4]>,
     /// For each valid point, the distance to the next opaque surface along +x, −x, +y, −y, +z, −z, in 1/255 of its
@@ -110,6 +113,12 @@ impl IndirectSnapshot {
 }
 
 impl Snapshot {
+    /// Returns where the meshes are fine: what [`LightMesh::with_focus`](crate::LightMesh::with_focus) takes.
+    pub fn focus(&self) -> Option<Focus> {
+        let indirect = self.indirect.as_ref().and_then(|indirect| indirect.points.focus);
+        self.direct.points.focus.or(indirect)
+    }
+
     /// Returns the number of valid and invalid points of both meshes.
     pub fn point_count(&self) -> u64 {
         let count = |points: &PointSnapshot| (points.addresses.len() + points.invalid.len()) as u64;

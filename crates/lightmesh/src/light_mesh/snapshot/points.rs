@@ -22,6 +22,7 @@ impl Points {
         let invalid = self.invalid_addresses();
         PointSnapshot {
             lattices: self.shapes().collect(),
+            focus: self.focus(),
             addresses: (first..self.len()).map(|i| plain(&self.address(i))).collect(),
             clearances: (first..self.len()).map(|i| self.clearance(i as u32).sides()).collect(),
             invalid: invalid[cursor.invalid.min(invalid.len())..].iter().map(plain).collect(),
@@ -30,7 +31,8 @@ impl Points {
 
     /// Copies the points of some bricks that are not empty, in order; also returns the indices of the valid ones.
     pub(super) fn snapshot_of(&self, bricks: &[BrickMask]) -> Result<(PointSnapshot, Vec<u32>), Error> {
-        let mut snapshot = PointSnapshot { lattices: self.shapes().collect(), ..PointSnapshot::default() };
+        let (lattices, focus) = (self.shapes().collect(), self.focus());
+        let mut snapshot = PointSnapshot { lattices, focus, ..PointSnapshot::default() };
         let mut indices = Vec::new();
         requests::for_each_point(self, bricks, |level, brick, local, slot| {
             let c = lattice::coordinate(brick, local);
@@ -56,6 +58,10 @@ impl Points {
     /// Refuses points of other lattices, and points outside the lattices.
     pub(super) fn check(&self, snapshot: &PointSnapshot, field: &str) -> Result<(), Error> {
         // Compare the lattices.
+        if snapshot.focus != self.focus() {
+            let what = format!("is {:?}; that of this mesh is {:?}: the views differ", snapshot.focus, self.focus());
+            return refuse(format!("{field} focus"), what);
+        }
         let own: Vec<LatticeShape> = self.shapes().collect();
         if snapshot.lattices.len() != own.len() {
             let what =

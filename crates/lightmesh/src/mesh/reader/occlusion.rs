@@ -5,12 +5,12 @@ use super::super::corners::{corner, corners_of};
 use super::super::probe::sees;
 use super::super::read_result::CornerVisibility;
 use super::super::stencil::Stencil;
-use super::Reader;
+use super::level_reader::LevelReader;
 use crate::geometry::Ray;
 use crate::interaction::ShadingPoint;
 use crate::sampling::{hash, seed_of_position, unit_f32};
 
-impl Reader<'_> {
+impl LevelReader<'_> {
     /// Returns those of the usable corners that the vertex sees, or one of them. By their clearances, some may be
     /// `occluded`.
     #[cold]

@@ -1,0 +1,75 @@
+//! Where a mesh is fine: about what cameras see. Away from it the spacing doubles with every doubling of the distance,
+//! as far as the scene goes, so that neither a ground plane nor a sky dome makes the mesh of a room coarser or larger.
+
+use glam::Vec3;
+
+use crate::geometry::Aabb;
+
+/// A box in which a mesh has its full density. Within half of its longest edge around it the spacing is that of the
+/// box; from there on it doubles with every doubling of the distance to the box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Focus {
+    /// Its lower corner, metres.
+    pub min: [f32; 3],
+    /// Its upper corner, metres.
+    pub max: [f32; 3],
+}
+
+impl Focus {
+    /// Doublings of the spacing beyond the box, at most: from 1 mm to more than 10 km.
+    pub(crate) const MOST_DOUBLINGS: u32 = 24;
+
+    /// The focus on a box; `None` where it has no extent, or one that no lattice can have.
+    pub(crate) fn on(bounds: &Aabb) -> Option<Self> {
+        let longest = bounds.size().max_element();
+        let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // Positions of points must be told apart in single precision.
+        let is_fine = longest.is_finite() && longest > magnitude * 1e-4 && longest > 1e-18;
+        is_fine.then(|| Self { min: bounds.min.to_array(), max: bounds.max.to_array() })
+    }
+
+    /// Its longest edge, metres.
+    pub(crate) fn longest_edge(&self) -> f32 {
+        (Vec3::from(self.max) - Vec3::from(self.min)).max_element()
+    }
+
+    /// Returns how far a position is from the box along the axis where it is farthest, metres; at most 0 inside.
+    #[inline(always)]
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
+        (Vec3::from(self.min) - p).max(p - Vec3::from(self.max)).max_element()
+    }
+
+    /// The distance up to which the spacing is doubled `doublings` times, metres.
+    pub(crate) fn radius(&self, doublings: u32) -> f32 {
+        0.5 * self.longest_edge() * (1_u64 << doublings) as f32
+    }
+
+    /// Returns how often the spacing is doubled at a distance: 0 within the first radius.
+    pub(crate) fn doublings(&self, distance: f32) -> u32 {
+        (0..Self::MOST_DOUBLINGS).find(|&n| distance < self.radius(n)).unwrap_or(Self::MOST_DOUBLINGS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn focus() -> Focus {
+        Focus { min: [0.0, 0.0, 0.0], max: [8.0, 3.0, 4.0] }
+    }
+
+    /// 4 m, 8 m, 16 m … from the box.
+    #[test]
+    fn the_spacing_doubles_with_every_doubling_of_the_distance() {
+        let at = |x: f32| focus().doublings(focus().distance(Vec3::new(x, 1.0, 1.0)));
+        assert_eq!([4.0, 11.9, 12.1, 15.9, 16.1, 24.1, 5e9].map(at), [0, 0, 1, 1, 2, 3, 24]);
+    }
+
+    #[test]
+    fn a_box_without_extent_is_no_focus() {
+        let on = |min: Vec3, max: Vec3| Focus::on(&Aabb { min, max }).is_some();
+        assert!(on(Vec3::ZERO, Vec3::X) && on(Vec3::splat(1e3), Vec3::splat(1001.0)));
+        assert!(!on(Vec3::ONE, Vec3::ONE) && !on(Vec3::splat(1e6), Vec3::splat(1e6 + 1.0)));
+        assert!(!on(Vec3::INFINITY, Vec3::NEG_INFINITY) && !on(Vec3::ZERO, Vec3::splat(f32::NAN)));
+    }
+}
