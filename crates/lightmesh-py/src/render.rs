@@ -35,7 +35,8 @@ pub(crate) fn render(
         let started = Instant::now();
         let render = |mesh: &mut LightMesh| lightmesh::render(&built.scene, &camera, &options, mesh, watch);
         let frame = match &mesh {
-            None => LightMesh::for_cameras(&built.scene, &options, std::slice::from_ref(&camera)).and_then(|mut mesh| render(&mut mesh)),
+            None => LightMesh::for_cameras(&built.scene, &options, std::slice::from_ref(&camera))
+                .and_then(|mut mesh| render(&mut mesh)),
             Some(shared) => render(&mut *shared.lock()?),
         };
         Some(frame.map(|frame| {

@@ -9,6 +9,7 @@ mod direct_light;
 mod environment;
 mod flip;
 mod floors;
+mod focus;
 mod graded;
 mod indirect_light;
 mod invariants;

@@ -12,8 +12,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::encoding::MOST_LEAVES;
-use crate::mesh::Focus;
 use crate::light::{LightCut, LightSamples, LightTree, Receivers, Refinement, Tolerance};
+use crate::mesh::Focus;
 use crate::{Error, Falloff, RenderOptions, Scene};
 
 /// Up to this number of samples, light is summed one by one: that takes less time than a cut through more would.

@@ -14,7 +14,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::direct::{DirectLighting, LightingPlan};
-use crate::indirect::{GatherRays, IndirectField, POINTS_AT_ONCE, PendingLight, sphere_directions};
+use crate::indirect::{GatherRays, IndirectField, Marked, POINTS_AT_ONCE, PendingLight, sphere_directions};
 use crate::light_mesh::{IndirectSnapshot, LightMesh, PointCursor, Snapshot};
 use crate::mesh::{Address, BrickMask, Coordinate, CornerVisibility, Marks, PointRequests, requests};
 use crate::progress::Reporter;
@@ -87,7 +87,8 @@ impl GatherBatch {
         let mut field = field.without_points();
         let mut marks = Marks::default();
         requests::mark(field.points(), bricks, &marks)?;
-        let mut rays = RayCounts { secondary: field.probe(scene, &mut marks, 0)?, ..RayCounts::default() };
+        let mut rays =
+            RayCounts { secondary: field.probe(scene, &mut marks, Marked::Needed, 0)?, ..RayCounts::default() };
         let (own, own_invalid) = (field.points().len(), field.points().invalid_addresses().len());
         let reporter = Reporter::new(progress, Stage::Fill, own as u64);
 

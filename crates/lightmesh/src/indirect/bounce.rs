@@ -9,43 +9,23 @@ use rayon::prelude::*;
 use super::field::{CubeFaces, IndirectField};
 use super::gather::{GatherRays, seed_of_point, sphere_directions};
 use super::guided::GuidedRays;
+use super::transfers::Transfer;
 use crate::direct::DirectLighting;
-use crate::mesh::{
-    Address, AmbientCube, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, ReadResult, choose, probe,
-};
-use crate::sampling::seed_of_position;
+use crate::mesh::{Address, AmbientCube, Clearance, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, Slot, probe};
 use crate::{Error, RenderOptions, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
 pub(crate) const POINTS_AT_ONCE: usize = 256;
 
-/// How light reaches a point along one gather ray: from the surface that the ray hit, which reads one point of the
-/// mesh.
-#[derive(Clone, Copy, Debug)]
-struct Transfer {
-    /// The point that the surface reads: one of its corners, chosen in proportion to their weights. The mean over the
-    /// rays is the mean over the corners, at an eighth of the reads. [`Transfer::NO_POINT`] where none can serve, as
-    /// in a narrow gap: such surfaces get the mean of the others' irradiance, for they must not swallow light.
-    from: u32,
-    /// The surface's normal.
-    n: Vec3,
-    /// Radiance along the ray per unit of irradiance at the surface.
-    weight: Vec3,
-    /// Irradiance on the cube faces per unit of radiance (see [`GatherRays::sphere`]).
-    lobe: Vec3,
-}
-
-impl Transfer {
-    const NO_POINT: u32 = u32::MAX;
-}
-
-/// The transfers of one point.
-#[derive(Debug, Default)]
-struct TransferList {
-    transfers: Vec<Transfer>,
-    /// Whether every hit could read its point.
-    complete: bool,
-    visibility_rays: u64,
+/// What becomes of marked points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Marked {
+    /// Surfaces are about to read them: those that are empty are only probed, as their clearances may tell that no
+    /// surface sees them. What is seen is marked again and then gets its values. Gather rays are not shot at points
+    /// behind a wall.
+    ToRead,
+    /// All get their values.
+    Needed,
 }
 
 /// The light of the points that are being filled, before it is summed bounce by bounce.
@@ -55,7 +35,7 @@ pub(crate) struct PendingLight {
     emission: Vec<Vec4>,
     first: Vec<Vec4>,
     /// By point.
-    transfers: Vec<Vec<Transfer>>,
+    pub(super) transfers: Vec<Vec<Transfer>>,
 }
 
 impl PendingLight {
@@ -72,14 +52,19 @@ impl PendingLight {
 }
 
 impl IndirectField {
-    /// Evaluates the marked points and all that they depend on, and clears the marks.
+    /// Probes the marked points, evaluates those that need values and all that they depend on, and clears the marks.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn fill(&mut self, direct: &mut DirectLighting<'_, '_>, marks: &mut Marks) -> Result<(), Error> {
+    pub(crate) fn fill(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        marks: &mut Marks,
+        marked: Marked,
+    ) -> Result<(), Error> {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
         let (first, hit_irradiance) = (self.points.len(), self.gather_hit_irradiance);
-        match self.gather_marked(direct, marks, first) {
+        match self.gather_marked(direct, marks, marked, first) {
             Ok(pending) => self.add_bounces(direct.scene, pending),
             Err(error) => {
                 // Points without values must not stay.
@@ -98,6 +83,7 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
+        marked: Marked,
         first: usize,
     ) -> Result<PendingLight, Error> {
         let scene = direct.scene;
@@ -106,7 +92,7 @@ impl IndirectField {
         let mut pending = PendingLight::default();
 
         // Hits of new points read further points, which are gathered for in their turn.
-        direct.stats.rays.secondary += self.probe(scene, marks, first)?;
+        direct.stats.rays.secondary += self.probe(scene, marks, marked, first)?;
         let mut next = first;
         while next < self.points.len() {
             let end = (next + POINTS_AT_ONCE).min(self.points.len());
@@ -123,24 +109,39 @@ impl IndirectField {
         Ok(pending)
     }
 
-    /// Finds out which of the marked points are inside solids, and gives the others their index; those from `first` on
-    /// are being filled. Returns how many rays that took.
-    pub(crate) fn probe(&mut self, scene: &Scene, marks: &mut Marks, first: usize) -> Result<u64, Error> {
-        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        let marked = self.points.take_marked(marks, costs, self.max_memory)?;
+    /// Probes the marked points that are empty: finds out which are inside solids, and the clearance of the others. Those
+    /// that need values get their index; from `first` on they are being filled. Returns how many rays that took.
+    pub(crate) fn probe(
+        &mut self,
+        scene: &Scene,
+        marks: &mut Marks,
+        marked: Marked,
+        first: usize,
+    ) -> Result<u64, Error> {
+        let addresses = self.points.take_marked(marks, self.costs(), self.max_memory)?;
         let points = &self.points;
-        let (probed, rays): (Vec<_>, _) = match self.faces {
+        let (empty, known): (Vec<Address>, Vec<Address>) =
+            addresses.iter().partition(|&&address| points.slot(address) == Slot::Empty);
+        // The paper's mesh knows no geometry: every point counts.
+        let (probed, rays): (Vec<Option<Clearance>>, _) = match self.faces {
             CubeFaces::Six => {
                 let probe_point = |&address: &Address| {
                     let spacing = points.level(address.level).lattice.spacing();
-                    (address, probe(scene, points.position_of(address), spacing))
+                    probe(scene, points.position_of(address), spacing)
                 };
-                (marked.par_iter().map(probe_point).collect(), PROBE_RAYS * marked.len() as u64)
+                (empty.par_iter().map(probe_point).collect(), PROBE_RAYS * empty.len() as u64)
             }
-            // The paper's mesh knows no geometry: every point counts.
-            CubeFaces::One => (marked.iter().map(|&c| (c, Some(crate::mesh::Clearance::ALL_FREE))).collect(), 0),
+            CubeFaces::One => (vec![Some(Clearance::ALL_FREE); empty.len()], 0),
         };
-        probed.into_iter().for_each(|(address, clearance)| self.points.insert(address, clearance));
+        for (&address, clearance) in empty.iter().zip(probed) {
+            self.points.insert_probed(address, clearance);
+        }
+
+        // Choose those that are to have values.
+        let needed = if marked == Marked::Needed || self.faces == CubeFaces::One { addresses } else { known };
+        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
+        self.points.check_memory(needed.len(), 0, costs, self.max_memory)?;
+        needed.into_iter().for_each(|address| self.points.promote(address));
         Ok(rays)
     }
 
@@ -254,59 +255,6 @@ impl IndirectField {
                 }
             }
             CubeFaces::One => values[0] += radiance * (4.0 * std::f32::consts::PI / self.gather_rays as f32),
-        }
-    }
-
-    /// Finds the points that the hits read; those that are missing join the mesh. Returns how many rays that took.
-    pub(crate) fn find_transfers(
-        &mut self,
-        scene: &Scene,
-        marks: &mut Marks,
-        batch: &mut [GatherRays],
-        first: usize,
-        pending: &mut PendingLight,
-    ) -> Result<u64, Error> {
-        // Direct light that is reflected once needs no points, only emission that gather rays find does.
-        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.rays_find_emission()) {
-            pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
-            return Ok(0);
-        }
-        let mut rays = 0;
-        let mut lists: Vec<TransferList> = batch.iter().map(|_| TransferList::default()).collect();
-        loop {
-            // Choose a point for every hit; lists with missing points are made again.
-            let field = &*self;
-            batch.par_iter().zip(&mut lists).filter(|(_, list)| !list.complete).for_each(|(gather, list)| {
-                let mut reader = field.points.reader(scene, CornerVisibility::Stochastic);
-                let mut corners = Vec::with_capacity(8);
-                list.transfers.clear();
-                list.transfers.reserve(gather.hits.vertices.len());
-                list.complete = true;
-                for hit in &gather.hits.vertices {
-                    corners.clear();
-                    let from = match reader.read(hit, marks, |index, weight| corners.push((index, weight))) {
-                        ReadResult::Value => choose(corners.iter().copied(), seed_of_position(hit.position)),
-                        ReadResult::Unavailable => Transfer::NO_POINT,
-                        ReadResult::Pending => {
-                            list.complete = false;
-                            continue;
-                        }
-                    };
-                    let lobe = gather.lobes[hit.id as usize];
-                    list.transfers.push(Transfer { from, n: hit.n, weight: hit.weight, lobe });
-                }
-                // Those without a point first. Stable: the sums keep the order of the rays.
-                list.transfers.sort_by_key(|t| t.from != Transfer::NO_POINT);
-                list.visibility_rays += reader.visibility_rays();
-            });
-            if lists.iter().all(|list| list.complete) {
-                rays += lists.iter().map(|list| list.visibility_rays).sum::<u64>();
-                pending.transfers.extend(lists.into_iter().map(|list| list.transfers));
-                return Ok(rays);
-            }
-
-            // Add the points that are missing.
-            rays += self.probe(scene, marks, first)?;
         }
     }
 

@@ -18,6 +18,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::bounce::Marked;
 use super::field::{IndirectField, IndirectReading};
 use super::gather::{GatherRays, HemisphereRays};
 use crate::Error;
@@ -226,7 +227,7 @@ impl IndirectField {
             if let Some(readings) = readings {
                 return Ok(readings.into_iter().flatten().collect());
             }
-            self.fill(direct, marks)?;
+            self.fill(direct, marks, Marked::ToRead)?;
         }
     }
 }

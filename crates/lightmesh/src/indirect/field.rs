@@ -69,12 +69,7 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(crate) fn new(
-        scene: &Scene,
-        levels: Levels,
-        interpolator: Interpolator,
-        options: &RenderOptions,
-    ) -> Self {
+    pub(crate) fn new(scene: &Scene, levels: Levels, interpolator: Interpolator, options: &RenderOptions) -> Self {
         // The paper's rays are even.
         let faces = CubeFaces::of(options);
         let spots = if faces == CubeFaces::Six { BrightSpots::find(scene) } else { BrightSpots::default() };

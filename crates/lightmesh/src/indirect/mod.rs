@@ -7,8 +7,9 @@ mod field;
 mod final_gather;
 mod gather;
 mod guided;
+mod transfers;
 
-pub(crate) use bounce::{POINTS_AT_ONCE, PendingLight};
+pub(crate) use bounce::{Marked, POINTS_AT_ONCE, PendingLight};
 pub(crate) use control_variate::{GatherPaths, GoOn};
 pub(crate) use field::{IndirectField, IndirectReading};
 pub(crate) use gather::{GatherRays, sphere_directions};

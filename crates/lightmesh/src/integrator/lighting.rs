@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::point_block::PointBlock;
 use crate::direct::{DirectLighting, Indirect, LightingPlan, ShadingBatch};
-use crate::indirect::{GatherPaths, GoOn, IndirectField};
+use crate::indirect::{GatherPaths, GoOn, IndirectField, Marked};
 use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
@@ -145,7 +145,7 @@ fn add_indirect(
         if !waiting {
             break;
         }
-        field.fill(&mut direct, marks)?;
+        field.fill(&mut direct, marks, Marked::ToRead)?;
     }
 
     // Gather rays at the surface itself, where the plan wants that or nothing could be read.

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use super::LightMesh;
 use crate::direct::{DirectLighting, LightingPlan};
 use crate::geometry::Aabb;
-use crate::mesh::{Address, Marks, PointBlock, Points, Slot};
+use crate::indirect::Marked;
+use crate::mesh::{Address, Marks, PointBlock, Points};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RenderOptions, RenderStats, Scene, Stage};
 
@@ -113,7 +114,7 @@ impl LightMesh {
                     reporter: &reporter,
                     stats: &mut stats,
                 };
-                field.fill(&mut direct, indirect_marks)?;
+                field.fill(&mut direct, indirect_marks, Marked::Needed)?;
                 reporter.add(requested.len() as u64, 0);
             }
         }
@@ -140,10 +141,10 @@ fn mark_block(points: &Points, marks: &Marks, PointBlock { low, high }: PointBlo
     });
 }
 
-/// Marks those of some points that are still empty.
+/// Marks those of some points that have no values yet.
 fn mark_empty(points: &Points, marks: &Marks, addresses: &[Address]) {
     for &address in addresses {
-        if points.level(address.level).slot(address.coordinate) == Slot::Empty {
+        if !points.slot(address).is_complete() {
             points.mark(address, marks);
         }
     }

@@ -64,7 +64,9 @@ pub(super) fn focus(scene: &Scene, cameras: &[Camera]) -> Option<Focus> {
     for axis in 0..3 {
         (min[axis], max[axis]) = extent(seen.iter().map(|seen| seen.position[axis]).collect());
     }
-    if std::env::var("FOCUS").is_ok() { eprintln!("focus {:?} E/L {}", (min, max), (max - min).max_element() / scene.bounds().size().max_element()); }
+    if std::env::var("FOCUS").is_ok() {
+        eprintln!("focus {:?} E/L {}", (min, max), (max - min).max_element() / scene.bounds().size().max_element());
+    }
     Focus::on(&Aabb { min, max })
 }
 

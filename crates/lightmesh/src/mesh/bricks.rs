@@ -16,30 +16,41 @@ pub(crate) enum Slot {
     Empty,
     /// It is inside a solid and has no values.
     Invalid,
+    /// Its clearance is known, under this index, and it has no values yet.
+    Probed(u32),
     /// It has been evaluated; its values have this index.
     Filled(u32),
 }
 
 impl Slot {
-    /// Filled indices stay below this.
-    pub(super) const MAX_INDEX: u32 = u32::MAX - 1;
+    /// Indices stay below this.
+    pub(super) const MAX_INDEX: u32 = Self::PROBED - 2;
     const EMPTY: u32 = u32::MAX;
     const INVALID: u32 = u32::MAX - 1;
+    /// Added to the index of a point that has been probed.
+    const PROBED: u32 = 1 << 31;
 
     #[inline(always)]
-    fn unpack(bits: u32) -> Self {
+    pub(crate) fn unpack(bits: u32) -> Self {
         match bits {
             Self::EMPTY => Self::Empty,
             Self::INVALID => Self::Invalid,
+            probed if probed & Self::PROBED != 0 => Self::Probed(probed - Self::PROBED),
             index => Self::Filled(index),
         }
     }
 
-    /// Returns the slot as 32 bits.
-    fn pack(self) -> u32 {
+    /// Returns whether the point has all that it will ever have.
+    pub(crate) fn is_complete(self) -> bool {
+        matches!(self, Self::Filled(_) | Self::Invalid)
+    }
+
+    /// Returns the slot as 32 bits: for a filled one, its index.
+    pub(super) fn pack(self) -> u32 {
         match self {
             Self::Empty => Self::EMPTY,
             Self::Invalid => Self::INVALID,
+            Self::Probed(index) => Self::PROBED + index,
             Self::Filled(index) => index,
         }
     }

@@ -5,7 +5,12 @@
 //! their coordinates, packed into one number (see [`BrickKey`]). Example: point (9, −2, 17) is in brick (1, −1, 2), at
 //! index 1 + 8 · 6 + 64 · 1 = 113.
 
+mod focus;
+mod levels;
+
+pub use focus::Focus;
 use glam::{DVec3, IVec3, UVec3, Vec3};
+pub(crate) use levels::{FinerLevels, Levels};
 
 use crate::Error;
 use crate::geometry::Aabb;

@@ -35,7 +35,7 @@ pub(super) fn read_with(
     let (slots, before) = (level.slots(stencil.cell), before_plane(&stencil));
     let is = |k: &usize, condition: fn(Slot) -> bool| condition(slots[*k]);
     let mut empty = false;
-    for k in corners_of(before).filter(|k| is(k, |slot| slot == Slot::Empty)) {
+    for k in corners_of(before).filter(|k| is(k, |slot| !slot.is_complete())) {
         mark(corner(stencil.cell, k));
         empty = true;
     }

@@ -7,9 +7,7 @@ use glam::Vec3;
 
 use super::bricks::{Bricks, Slot};
 use super::clearance::Clearance;
-use super::focus::Focus;
-use super::lattice::{self, Coordinate};
-use super::levels::Levels;
+use super::lattice::{self, Coordinate, Focus, Levels};
 use super::marks::{MarkedPoints, Marks};
 use super::refinement::{NearFocus, RefinementLevel};
 use super::stencil::{Interpolator, trilinear};
@@ -53,6 +51,8 @@ pub(crate) struct Points {
     /// By index of the filled point.
     addresses: Vec<Address>,
     clearances: Vec<Clearance>,
+    /// By index of the probed point.
+    probed: Vec<(Address, Clearance)>,
     /// Where the points inside solids are.
     invalid: Vec<Address>,
 }
@@ -74,6 +74,7 @@ impl Points {
             interpolator,
             addresses: Vec::new(),
             clearances: Vec::new(),
+            probed: Vec::new(),
             invalid: Vec::new(),
         }
     }
@@ -113,7 +114,8 @@ impl Points {
         let distance = focus.distance(p);
         let mut level = self.base;
         // Corners of the cell of a position next to the surface are up to so far away along an axis.
-        while level > 0 && distance + 1.75 * self.level(level - 1).lattice.spacing() >= focus.radius(self.base - level) {
+        while level > 0 && distance + 1.75 * self.level(level - 1).lattice.spacing() >= focus.radius(self.base - level)
+        {
             level -= 1;
         }
         level
@@ -162,6 +164,26 @@ impl Points {
     /// Returns the clearance of a filled point.
     pub(crate) fn clearance(&self, index: u32) -> Clearance {
         self.clearances[index as usize]
+    }
+
+    /// Returns the clearance of a point, if it is known; one to which nothing is near otherwise.
+    #[inline(always)]
+    pub(super) fn clearance_of(&self, slot: Slot) -> Clearance {
+        match slot {
+            Slot::Filled(index) => self.clearance(index),
+            Slot::Probed(index) => self.probed[index as usize].1,
+            Slot::Empty | Slot::Invalid => Clearance::default(),
+        }
+    }
+
+    /// Returns the address of a probed point.
+    pub(crate) fn probed_address(&self, index: u32) -> Address {
+        self.probed[index as usize].0
+    }
+
+    /// Returns the slot of a point.
+    pub(crate) fn slot(&self, address: Address) -> Slot {
+        self.level(address.level).slot(address.coordinate)
     }
 
     /// Marks a point.
@@ -227,7 +249,7 @@ impl Points {
     /// Refuses a number of new points, some of them in new bricks, if they would not fit into `limit` bytes.
     pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
         // Sum what is kept and what buffers need.
-        let points = (self.len() + new) as u64;
+        let points = (self.len() + self.probed.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
         let bytes = 2 * (costs.kept + Self::BYTES_PER_POINT);
         let temporary = ((costs.pending + new) as u64).saturating_mul(costs.temporary);
@@ -269,6 +291,20 @@ impl Points {
         self.levels[address.level as usize].set(address.coordinate, slot);
     }
 
+    /// Stores a point that has been probed, without values; one without a clearance is inside a solid.
+    pub(crate) fn insert_probed(&mut self, address: Address, clearance: Option<Clearance>) {
+        let Some(clearance) = clearance else { return self.insert(address, None) };
+        self.probed.push((address, clearance));
+        self.levels[address.level as usize].set(address.coordinate, Slot::Probed(self.probed.len() as u32 - 1));
+    }
+
+    /// Gives a point the next index, if it has been probed and has none: its values must follow.
+    pub(crate) fn promote(&mut self, address: Address) {
+        if let Slot::Probed(index) = self.slot(address) {
+            self.insert(address, Some(self.probed[index as usize].1));
+        }
+    }
+
     /// Removes the points from index `first` on: they are empty again.
     pub(crate) fn truncate(&mut self, first: usize) {
         for address in self.addresses.drain(first..) {
@@ -296,7 +332,7 @@ impl Points {
             points_refined: refined as u64,
             points_total: total,
             points_invalid: self.invalid.len() as u64,
-            bytes: self.brick_bytes() + self.len() as u64 * Self::BYTES_PER_POINT + value_bytes,
+            bytes: self.brick_bytes() + (self.len() + self.probed.len()) as u64 * Self::BYTES_PER_POINT + value_bytes,
         }
     }
 }

@@ -19,6 +19,23 @@ pub(crate) enum CornerVisibility {
     Deferred { finer: bool },
 }
 
+/// What a reader needs of the corners that a vertex sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    /// Their values: corners without are marked.
+    Values,
+    /// Only to know which they are. Of those without values it visits the packed slot instead of the index: the caller
+    /// chooses among them, and marks what it needs.
+    Corners,
+}
+
+/// How a reader looks at corners.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    pub visibility: CornerVisibility,
+    pub needs: Needs,
+}
+
 /// The result of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReadResult {

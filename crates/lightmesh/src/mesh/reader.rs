@@ -12,7 +12,7 @@ pub(crate) use occlusion::choose;
 
 use super::marks::Marks;
 use super::points::Points;
-use super::read_result::{CornerVisibility, ReadResult, VisibleCorners};
+use super::read_result::{CornerVisibility, Needs, ReadResult, Sight, VisibleCorners};
 use super::stencil::Interpolator;
 use crate::interaction::ShadingPoint;
 use crate::world::Scene;
@@ -23,7 +23,7 @@ use crate::world::Scene;
 pub(crate) struct Reader<'a> {
     scene: &'a Scene,
     points: &'a Points,
-    visibility: CornerVisibility,
+    sight: Sight,
     /// Begins at the level of the last vertex.
     level: LevelReader<'a>,
     /// Those that begin at other levels.
@@ -35,8 +35,17 @@ pub(crate) struct Reader<'a> {
 impl Points {
     /// Returns a reader for one thread.
     pub(crate) fn reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
-        let level = LevelReader::new(scene, self, self.base(), visibility);
-        Reader { scene, points: self, visibility, level, others: Vec::new(), changes: 0 }
+        self.reader_with(scene, Sight { visibility, needs: Needs::Values })
+    }
+
+    /// Returns a reader of which corners there are, whether they have values or not.
+    pub(crate) fn corner_reader<'a>(&'a self, scene: &'a Scene, visibility: CornerVisibility) -> Reader<'a> {
+        self.reader_with(scene, Sight { visibility, needs: Needs::Corners })
+    }
+
+    fn reader_with<'a>(&'a self, scene: &'a Scene, sight: Sight) -> Reader<'a> {
+        let level = LevelReader::new(scene, self, self.base(), sight);
+        Reader { scene, points: self, sight, level, others: Vec::new(), changes: 0 }
     }
 
     /// Marks the points that vertices read and that are empty, also those that are hidden from the vertices.
@@ -121,7 +130,7 @@ impl<'a> Reader<'a> {
         match known {
             Some(other) => std::mem::swap(other, &mut self.level),
             None => {
-                let new = LevelReader::new(self.scene, self.points, level, self.visibility);
+                let new = LevelReader::new(self.scene, self.points, level, self.sight);
                 self.others.push(std::mem::replace(&mut self.level, new));
             }
         }

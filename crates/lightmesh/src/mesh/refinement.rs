@@ -17,8 +17,7 @@ use glam::Vec3;
 
 use super::bricks::{Bricks, ByBrick, Slot};
 use super::corners::corner;
-use super::focus::Focus;
-use super::lattice::{self, BrickKey, Coordinate, Lattice};
+use super::lattice::{self, BrickKey, Coordinate, Focus, Lattice};
 
 /// A lattice and the state of its points.
 #[derive(Debug)]

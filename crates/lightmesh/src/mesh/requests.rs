@@ -93,13 +93,13 @@ pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
     marks.take_masks().into_iter().map(|((level, brick), mask)| BrickMask { level, brick, mask }).collect()
 }
 
-/// Marks those of some points that are empty.
+/// Marks those of some points that have no values yet.
 ///
 /// # Errors
 /// [`Error::InvalidBricks`] for bricks that the mesh does not have.
 pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Result<(), Error> {
     for_each_point(points, bricks, |level, brick, local, slot| {
-        if slot == Slot::Empty {
+        if !slot.is_complete() {
             marks.set(level, brick, local);
         }
     })

@@ -38,7 +38,7 @@ impl Points {
             let c = lattice::coordinate(brick, local);
             let address = [level as i32, c.x, c.y, c.z];
             match slot {
-                Slot::Empty => {}
+                Slot::Empty | Slot::Probed(_) => {}
                 Slot::Invalid => snapshot.invalid.push(address),
                 Slot::Filled(index) => {
                     snapshot.addresses.push(address);
@@ -103,7 +103,7 @@ impl Points {
             let Address { level, coordinate } = from_plain(address);
             let (brick, local) = lattice::split(coordinate);
             let level_bricks = &self.level(level).bricks;
-            if level_bricks.slot(brick, local) == Slot::Empty {
+            if !level_bricks.slot(brick, local).is_complete() {
                 new += 1;
                 if !level_bricks.exists(brick) {
                     bricks.insert((level, brick));
@@ -116,8 +116,7 @@ impl Points {
     /// Adds the points that are new; `push` gets the index in `snapshot` of each that is valid.
     pub(super) fn merge(&mut self, snapshot: &PointSnapshot, mut push: impl FnMut(usize)) {
         // Valid points first: their order is that of their values.
-        let is_new =
-            |points: &Self, address: Address| points.level(address.level).slot(address.coordinate) == Slot::Empty;
+        let is_new = |points: &Self, address: Address| !points.slot(address).is_complete();
         for (i, (&address, &sides)) in snapshot.addresses.iter().zip(&snapshot.clearances).enumerate() {
             let address = from_plain(address);
             if is_new(self, address) {

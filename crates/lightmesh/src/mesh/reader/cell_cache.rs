@@ -20,9 +20,11 @@ pub(super) struct CellCache {
     slots: [Slot; 8],
     /// Which corners the next level takes over.
     pub refined: u8,
-    pub filled: u8,
+    /// Which have a clearance, and which of these no values yet.
+    pub known: u8,
+    pub unvalued: u8,
     pub empty: u8,
-    /// Which of the empty ones have been marked.
+    /// Which of the empty and the unvalued ones have been marked.
     pub marked: u8,
     clearances: [Clearance; 8],
     /// The free edges and the boxed-in corners; unused where visibility is deferred.
@@ -47,7 +49,8 @@ impl CellCache {
             coordinate: IVec3::MAX,
             slots: [Slot::Empty; 8],
             refined: 0,
-            filled: 0,
+            known: 0,
+            unvalued: 0,
             empty: 0,
             marked: 0,
             clearances: [Clearance::default(); 8],
@@ -68,7 +71,8 @@ impl CellCache {
         self.coordinate = coordinate;
         self.slots = level.slots(coordinate);
         let mask = |is: fn(Slot) -> bool| (0..8).map(|k| u8::from(is(self.slots[k])) << k).sum();
-        self.filled = mask(|slot| matches!(slot, Slot::Filled(_)));
+        self.unvalued = mask(|slot| matches!(slot, Slot::Probed(_)));
+        self.known = mask(|slot| matches!(slot, Slot::Filled(_))) | self.unvalued;
         self.empty = mask(|slot| slot == Slot::Empty);
 
         // Forget what was computed for the last cell.
@@ -77,11 +81,8 @@ impl CellCache {
         self.plane.0 = Vec3::ZERO;
 
         // Look up the clearances.
-        self.clearances = self.slots.map(|slot| match slot {
-            Slot::Filled(index) => points.clearance(index),
-            Slot::Empty | Slot::Invalid => Clearance::default(),
-        });
-        self.blocked = blocked(&self.clearances, self.filled);
+        self.clearances = self.slots.map(|slot| points.clearance_of(slot));
+        self.blocked = blocked(&self.clearances, self.known);
     }
 
     /// Finds the free edges and the boxed-in corners of the cell.
@@ -91,13 +92,10 @@ impl CellCache {
         self.connected = (0, true);
     }
 
-    /// Returns the index of corner k, which is filled.
+    /// Returns the index of corner k, which is filled, or its packed slot, if it has only been probed.
     #[inline(always)]
     pub(super) fn index(&self, k: usize) -> u32 {
-        match self.slots[k] {
-            Slot::Filled(index) => index,
-            Slot::Empty | Slot::Invalid => unreachable!("corners that are read are filled"),
-        }
+        self.slots[k].pack()
     }
 
     /// Returns whether free edges connect all of some corners.

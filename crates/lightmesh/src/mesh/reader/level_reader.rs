@@ -8,7 +8,7 @@ use super::super::lattice::Coordinate;
 use super::super::marks::Marks;
 use super::super::missing_corners::read_with;
 use super::super::points::{Address, Points};
-use super::super::read_result::{CornerVisibility, ReadResult, VisibleCorners};
+use super::super::read_result::{CornerVisibility, Needs, ReadResult, Sight, VisibleCorners};
 use super::super::refinement::RefinementLevel;
 use super::super::stencil::{Interpolator, Stencil, nearest, sphere, trilinear};
 use super::cell_cache::CellCache;
@@ -23,6 +23,7 @@ pub(super) struct LevelReader<'a> {
     pub(super) level_index: u32,
     pub(super) level: &'a RefinementLevel,
     pub(super) visibility: CornerVisibility,
+    needs: Needs,
     /// The cell of the last vertex.
     pub(super) cell: CellCache,
     /// Cells entered so far.
@@ -44,13 +45,14 @@ const MINORITY: f32 = 0.5;
 
 impl<'a> LevelReader<'a> {
     /// Reads a level, where the level before lets it.
-    pub(super) fn new(scene: &'a Scene, points: &'a Points, level_index: u32, visibility: CornerVisibility) -> Self {
+    pub(super) fn new(scene: &'a Scene, points: &'a Points, level_index: u32, sight: Sight) -> Self {
         Self {
             scene,
             points,
             level_index,
             level: points.level(level_index),
-            visibility,
+            visibility: sight.visibility,
+            needs: sight.needs,
             cell: CellCache::new(),
             visits: 0,
             visibility_rays: 0,
@@ -95,7 +97,7 @@ impl<'a> LevelReader<'a> {
                     visit_point(index, weight);
                 }
                 Slot::Filled(_) | Slot::Invalid => {}
-                Slot::Empty => {
+                Slot::Empty | Slot::Probed(_) => {
                     points.mark(Address { level: self.level_index, coordinate }, marks);
                     empty = true;
                 }
@@ -153,9 +155,10 @@ impl<'a> LevelReader<'a> {
         }
 
         // The next level gets the rest of the weight.
-        let (scene, points, next, visibility) = (self.scene, self.points, self.level_index + 1, self.visibility);
+        let (scene, points, next) = (self.scene, self.points, self.level_index + 1);
+        let sight = Sight { visibility: self.visibility, needs: self.needs };
         self.blended = true;
-        let finer = self.finer.get_or_insert_with(|| Box::new(Self::new(scene, points, next, visibility)));
+        let finer = self.finer.get_or_insert_with(|| Box::new(Self::new(scene, points, next, sight)));
         match finer.corners(vertex, marks) {
             Ok(finest) => finer.blend(&finest, scale * visible.refined, vertex, marks, visit),
             Err(ReadResult::Unavailable) if visible.mask != 0 => ReadResult::Value,
@@ -182,14 +185,10 @@ impl<'a> LevelReader<'a> {
         let refined = stencil.sum(stencil.read & self.cell.refined);
         let empty = read & self.cell.empty;
         if empty != 0 {
-            for k in corners_of(empty & !self.cell.marked) {
-                let coordinate = corner(self.cell.coordinate, k);
-                self.points.mark(Address { level: self.level_index, coordinate }, marks);
-            }
-            self.cell.marked |= empty;
+            self.mark(empty, marks);
             return Err(ReadResult::Pending);
         }
-        let usable = read & self.cell.filled;
+        let usable = read & self.cell.known;
         if usable == 0 {
             return if refined > 0.0 { Ok(VisibleCorners::nothing(refined)) } else { Err(ReadResult::Unavailable) };
         }
@@ -198,7 +197,7 @@ impl<'a> LevelReader<'a> {
         if matches!(self.visibility, CornerVisibility::Deferred { .. }) {
             self.near_occluder = !self.cell.is_clear(vertex, &stencil, usable);
             let mask = if is_minority(&stencil, read, usable) { self.trace_each(vertex, usable) } else { usable };
-            return self.visible(mask, &stencil, read, refined);
+            return self.visible(mask, &stencil, read, refined, marks);
         }
 
         // Otherwise find the corners that may be hidden, and trace rays only if there are any or the cell is divided.
@@ -214,19 +213,40 @@ impl<'a> LevelReader<'a> {
             true => usable,
             false => self.trace_occlusion(vertex, &stencil, usable, occluded),
         };
-        self.visible(mask, &stencil, read, refined)
+        self.visible(mask, &stencil, read, refined, marks)
     }
 
-    /// Returns the corners of `mask`, for a vertex that should read those of `read`.
+    /// Returns the corners of `mask`, for a vertex that should read those of `read`; marks those without values.
     #[inline(always)]
-    fn visible(&mut self, mask: u8, stencil: &Stencil, read: u8, refined: f32) -> Result<VisibleCorners, ReadResult> {
+    fn visible(
+        &mut self,
+        mask: u8,
+        stencil: &Stencil,
+        read: u8,
+        refined: f32,
+        marks: &Marks,
+    ) -> Result<VisibleCorners, ReadResult> {
         if mask == 0 {
             return if refined > 0.0 { Ok(VisibleCorners::nothing(refined)) } else { Err(ReadResult::Unavailable) };
+        }
+        let unvalued = mask & self.cell.unvalued;
+        if unvalued != 0 && self.needs == Needs::Values {
+            self.mark(unvalued, marks);
+            return Err(ReadResult::Pending);
         }
         let [lower, upper] = stencil.weights;
         let weights = [lower * ONES[mask as usize & 15], upper * ONES[mask as usize >> 4]];
         self.missing = read & !mask;
         Ok(VisibleCorners { mask, weights, refined })
+    }
+
+    /// Marks corners that have not been marked.
+    fn mark(&mut self, corners: u8, marks: &Marks) {
+        for k in corners_of(corners & !self.cell.marked) {
+            let coordinate = corner(self.cell.coordinate, k);
+            self.points.mark(Address { level: self.level_index, coordinate }, marks);
+        }
+        self.cell.marked |= corners;
     }
 
     /// Returns how many cells have been entered: as long as the number stays, the corners are the same points.

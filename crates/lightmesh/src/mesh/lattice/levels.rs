@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 
+use super::Lattice;
 use super::focus::Focus;
-use super::lattice::Lattice;
 use crate::Error;
 use crate::geometry::Aabb;
 
