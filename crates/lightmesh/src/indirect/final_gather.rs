@@ -20,12 +20,12 @@ const RAYS: u32 = 64;
 
 /// Most rays from a surface of the picture that no mesh point can serve; those that count for less in the picture,
 /// behind several panes of glass, get fewer, one at least.
-const FIRST_RAYS: u32 = 4;
+const FIRST_RAYS: u32 = 2;
 
 /// How many times as many where some of the surfaces that they find can be read: in a narrow gap, or at a seam. Then
 /// they are as good as a mesh point's, and end there. The others lie in the same gap as the point, and are taken to
 /// receive what it does.
-const MORE: u32 = 8;
+const MORE: u32 = 16;
 
 /// Surfaces that count for less than this are left out by chance, and the others count for more.
 const LEAST_SHARE: f32 = 0.1;

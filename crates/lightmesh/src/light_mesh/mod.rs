@@ -16,7 +16,6 @@ pub use snapshot::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, Point
 
 use crate::direct::DirectField;
 use crate::direct::encoding::refuse;
-use crate::geometry::Aabb;
 use crate::indirect::IndirectField;
 use crate::mesh::{FinerLevels, Focus, Interpolator, Levels, Marks, PointRequests, Points, requests};
 use crate::{Camera, Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
@@ -55,12 +54,13 @@ impl LightMesh {
 
     /// Makes empty meshes for pictures by these cameras: where the spacing is [`Spacing::Auto`], it is a part of the
     /// room that they see, not of the scene's box, and grows with the distance to that room. What is around it changes
-    /// nothing in it.
+    /// nothing in it. Small pictures have larger spacings: three pixels or more of the direct mesh, where the nearest
+    /// quarter of the picture begins.
     ///
     /// # Errors
     /// As [`LightMesh::new`].
     pub fn for_cameras(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) -> Result<Self, Error> {
-        Self::with_focus(scene, options, views::focus(scene, cameras))
+        Self::with_focus(scene, options, views::focus(scene, options, cameras))
     }
 
     /// Makes empty meshes with the focus of another one ([`LightMesh::focus`]).
@@ -68,8 +68,7 @@ impl LightMesh {
     /// # Errors
     /// As [`LightMesh::new`], and [`Error::InvalidContents`] for a focus that is no box.
     pub fn with_focus(scene: &Scene, options: &RenderOptions, focus: Option<Focus>) -> Result<Self, Error> {
-        let is_box = |focus: Focus| Focus::on(&Aabb { min: focus.min.into(), max: focus.max.into() }).is_some();
-        if let Some(focus) = focus.filter(|&focus| !is_box(focus)) {
+        if let Some(focus) = focus.filter(|focus| !focus.is_valid()) {
             return refuse("focus", format!("{focus:?} is no box that a mesh can have"));
         }
         // Choose the lattices of a mesh.
@@ -80,7 +79,7 @@ impl LightMesh {
             let (bounds, reach) = (scene.bounds(), interpolator.reach());
             match focus.filter(|_| asked == Spacing::Auto) {
                 Some(focus) => {
-                    Levels::around(option, focus, &bounds, resolved.metres(focus.longest_edge()), reach, finer)
+                    Levels::around(option, focus, &bounds, resolved.metres(focus.scale), reach, finer)
                 }
                 // A scene may be a single point of a user's shape: any spacing will do.
                 None => {

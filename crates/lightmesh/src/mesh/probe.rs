@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::clearance::Clearance;
 use super::lattice::ON_SURFACE;
+use crate::bvh::Hit;
 use crate::geometry::Ray;
 use crate::interaction::{is_back_face, is_opaque};
 use crate::world::Scene;
@@ -32,16 +33,20 @@ pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
         return None;
     }
     Some(Clearance::new(SIDES.map(|side| {
-        let mut ray = Ray { t_max: 1.0, ..Ray::new(x, side * spacing) };
-        // Glass hides nothing.
-        loop {
-            let hit = scene.bvh().closest(&ray)?;
-            if scene.all_opaque() || is_opaque(scene, &hit) {
-                return Some(hit.t);
-            }
-            ray.t_min = hit.t;
-        }
+        let ray = Ray { t_max: 1.0, ..Ray::new(x, side * spacing) };
+        closest_opaque(scene, ray).map(|hit| hit.t)
     })))
+}
+
+/// Returns the first opaque surface on a ray: glass hides nothing, and what is in it is not inside a solid.
+fn closest_opaque(scene: &Scene, mut ray: Ray) -> Option<Hit> {
+    loop {
+        let hit = scene.bvh().closest(&ray)?;
+        if scene.all_opaque() || is_opaque(scene, &hit) {
+            return Some(hit);
+        }
+        ray.t_min = hit.t;
+    }
 }
 
 /// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface,
@@ -55,7 +60,7 @@ fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
             // It is not inside anything, but it may be on a surface.
             ray.t_max = 2.0 * near;
         }
-        if let Some(hit) = scene.bvh().closest(&ray) {
+        if let Some(hit) = closest_opaque(scene, ray) {
             if hit.t < 2.0 * near {
                 return true;
             }

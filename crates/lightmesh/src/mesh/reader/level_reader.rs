@@ -41,7 +41,7 @@ pub(super) struct LevelReader<'a> {
 
 /// Usable corners with less than this part of the weight get a ray each. Empirical: a half catches both sides of a gap
 /// between a box and a wall (a test's furnace); a ray to each, always, is the same there and takes more rays.
-const MINORITY: f32 = 0.5;
+const MINORITY: f32 = 0.76;
 
 impl<'a> LevelReader<'a> {
     /// Reads a level, where the level before lets it.
