@@ -54,8 +54,7 @@ impl LightMesh {
 
     /// Makes empty meshes for pictures by these cameras: where the spacing is [`Spacing::Auto`], it is a part of the
     /// room that they see, not of the scene's box, and grows with the distance to that room. What is around it changes
-    /// nothing in it. Small pictures have larger spacings: three pixels or more of the direct mesh, where the nearest
-    /// quarter of the picture begins.
+    /// nothing in it. Small pictures that are mostly empty have larger spacings.
     ///
     /// # Errors
     /// As [`LightMesh::new`].
