@@ -3,9 +3,10 @@
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
+use super::background::Background;
 use crate::Error;
 use crate::bvh::{SceneBvh, Target};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Ray};
 use crate::light::{Emitters, LightSamples};
 use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
 
@@ -23,6 +24,8 @@ pub struct Scene {
     all_opaque: bool,
     all_double_sided: bool,
     warnings: Vec<String>,
+    /// What camera rays see in place of the environment.
+    background: Option<Background>,
     level: Level,
 }
 
@@ -92,8 +95,25 @@ impl Scene {
             instance_frames: frames,
             opaque,
             warnings,
+            background: None,
             level,
         })
+    }
+
+    /// Lights the scene otherwise, and keeps what does not depend on light.
+    ///
+    /// # Errors
+    /// As [`Scene::with_emitters`].
+    pub(crate) fn relit(mut self, change: impl FnOnce(&mut SceneData)) -> Result<Self, Error> {
+        change(&mut self.data);
+        validate::check(&mut self.data)?;
+        self.emitters = Emitters::new(&self.data, &self.bvh.bounds(), &self.emitter_options)?;
+        Ok(self)
+    }
+
+    /// Shows a background to camera rays that leave the scene.
+    pub(crate) fn with_background(self, background: Background) -> Self {
+        Self { background: Some(background), ..self }
     }
 
     /// The description that it was built from, repaired where [`Scene::warnings`] says so.
@@ -144,6 +164,19 @@ impl Scene {
     /// Returns the radiance of a ray that leaves the scene along a unit direction, cd/m².
     pub(crate) fn environment(&self, direction: Vec3) -> Vec3 {
         self.emitters.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(direction))
+    }
+
+    /// Returns the radiance that the camera sees along a ray that leaves the scene, unless it comes from a mirror.
+    pub(crate) fn backdrop(&self, ray: &Ray) -> Vec3 {
+        match &self.background {
+            Some(background) => background.radiance(ray),
+            None => self.environment(ray.direction.normalize()),
+        }
+    }
+
+    /// Returns how bright a white surface is in the light of the studio, cd/m²; `None` in the scene's own light.
+    pub(crate) fn white_cd_m2(&self) -> Option<f32> {
+        self.background.as_ref().map(|background| background.white_cd_m2)
     }
 
     /// The transform of an instance for shading.
