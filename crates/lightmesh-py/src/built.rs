@@ -112,7 +112,7 @@ impl Built {
 
 /// The camera of pictures for which none is named.
 fn first_camera(scene: &Scene) -> Camera {
-    scene.data().cameras.first().cloned().unwrap_or_else(|| Camera::framing(&scene.data().bounds()))
+    scene.data().cameras.first().cloned().unwrap_or_else(|| scene.data().framing_camera())
 }
 
 /// The state of a scene.

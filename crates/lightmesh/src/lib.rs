@@ -85,7 +85,7 @@ pub use api::{Frame, Measured, measure, render};
 pub use error::Error;
 pub use fingerprint::Fingerprint;
 pub use first_light::{FirstLight, Survey};
-pub use image::{DisplayData, Image, MeshStats, RayCounts, RenderStats, Seconds};
+pub use image::{DisplayData, ErrorEstimate, Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use interaction::Meter;
 pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, LightMesh, PointSnapshot, Snapshot};
 pub use mesh::LatticeShape;

@@ -21,4 +21,5 @@ mod partial_images;
 mod shapes;
 mod shared_meshes;
 mod textures;
+mod verification;
 mod viewer;

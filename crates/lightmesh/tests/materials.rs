@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use crate::common::*;
 use glam::{Vec2, Vec3, Vec4};
-use lightmesh::geometry::Sphere;
+use lightmesh::geometry::{Sphere, TriangleMesh};
 use lightmesh::metrics::difference;
 use lightmesh::{
     AlphaMode, Camera, Filter, ImageData, Light, Material, Method, RenderOptions, Scene, SceneData, Texels, Texture,
@@ -136,6 +136,106 @@ fn glass_refracts() {
     }
 }
 
+/// The sun through a clear pane that covers everything: Fresnel's share with all inner reflections, at every angle, for
+/// a closed block, its two large faces alone, and a sheet of either side, single- or double-sided; times the base
+/// colour, once per face.
+#[test]
+fn panes_pass_what_fresnel_says() {
+    let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
+    let tinted = Material { base_color: Vec3::new(0.5, 1.0, 0.25), ..glass.clone() };
+    let corners =
+        |y: f32| [(-90.0, 90.0), (90.0, 90.0), (90.0, -90.0), (-90.0, -90.0)].map(|(x, z)| Vec3::new(x, y, z));
+    let (up, block) = (quad(corners(1.0), 1), cuboid(Vec3::new(-90.0, 1.0, -90.0), Vec3::new(90.0, 1.01, 90.0), 1));
+    let (upper, lower) = (quad(corners(1.01), 1), inside_out(quad(corners(1.0), 1)));
+    let sheet = Material { double_sided: true, ..glass.clone() };
+    for (meshes, material, faces) in [
+        (vec![block.clone()], &glass, 2),
+        (vec![upper, lower], &glass, 2),
+        (vec![up.clone()], &glass, 1),
+        (vec![inside_out(up.clone())], &glass, 1),
+        (vec![up.clone()], &sheet, 1),
+        (vec![block.clone()], &sheet, 2),
+        (vec![block], &tinted, 2),
+        (vec![up], &tinted, 1),
+    ] {
+        for (degrees, passed) in [(0.0_f32, 0.923), (40.0, 0.914), (60.0, 0.848), (75.0, 0.618)] {
+            let mut data = floor(Vec3::ONE);
+            data.materials.push(material.clone());
+            meshes.iter().for_each(|mesh| place(&mut data, mesh.clone()));
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let light = Light::Directional { direction: -Vec3::new(sin, cos, 0.0), illuminance_lux: Vec3::splat(PI) };
+            data.lights.push(light);
+            let scene = Scene::new(data).expect("scene");
+            let below = Camera::look_at(Vec3::new(0.0, 0.5, 0.0), Vec3::ZERO, 0.01);
+            let expected = material.base_color.powf(faces as f32) * (passed * cos);
+            for method in TRACERS {
+                let seen = middle(&scene, &below, &options(method).with(|o| o.transport.bounces = 0));
+                assert!((seen - expected).length() < 2e-3, "{method:?} {degrees}: {seen} {expected}");
+            }
+        }
+    }
+}
+
+/// A pane seen at 60° shows Fresnel's share of what is behind it, whether it is a block or a sheet of either side. Rays
+/// carry no polarisation: (1 − R) / (1 + R) of the mean reflectance, 0.836, where a block's two faces are met one by
+/// one, and 0.848 where they are one sheet.
+#[test]
+fn panes_are_seen_through_alike() {
+    let glass = Material { transmission: 1.0, roughness: 0.0, ..Material::default() };
+    let corners = [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
+    let block = cuboid(Vec3::new(-9.0, 1.0, -9.0), Vec3::new(9.0, 1.01, 9.0), 1);
+    for (mesh, expected) in [(block, 0.836), (quad(corners, 1), 0.848), (inside_out(quad(corners, 1)), 0.848)] {
+        let mut data = floor(Vec3::ZERO);
+        data.materials[0].emission = Vec3::ONE;
+        data.materials.push(glass.clone());
+        place(&mut data, mesh);
+        let scene = Scene::new(data).expect("scene");
+        let camera = Camera::look_at(Vec3::new(-3.0_f32.sqrt(), 2.0, 0.0), Vec3::new(0.0, 1.0, 0.0), 0.01);
+        let seen = middle(&scene, &camera, &options(Method::Standard)).x;
+        assert!((seen - expected).abs() < 4e-3, "{seen}");
+    }
+}
+
+/// A ball of 12 × 6 quads with smooth normals: E n · l at the edge of the shade too, where a facet faces away from the
+/// sun; nothing where n · l < 0.
+#[test]
+fn smooth_balls_of_few_triangles_have_no_black_facets() {
+    let mut mesh = TriangleMesh::default();
+    for i in 0..=6 {
+        for j in 0..12 {
+            let (t, p) = (PI * i as f32 / 6.0, PI * j as f32 / 6.0);
+            mesh.positions.push(Vec3::new(t.sin() * p.cos(), t.cos(), -t.sin() * p.sin()));
+            let at = |i: u32, j: u32| i * 12 + j % 12;
+            if i < 6 {
+                mesh.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                mesh.triangles.push([at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]);
+            }
+        }
+    }
+    mesh.normals = mesh.positions.clone();
+    let mut data = SceneData { materials: vec![Material::lambert(Vec3::ONE)], ..SceneData::default() };
+    place(&mut data, mesh);
+    let light = Vec3::new(3.0, 0.6, 0.6).normalize();
+    data.lights.push(Light::Directional { direction: -light, illuminance_lux: Vec3::splat(PI) });
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.5);
+    let image = shoot(&scene, &camera, &options(Method::Standard).with(|o| o.transport.bounces = 0)).image;
+    let mut lit = 0;
+    for (i, pixel) in image.pixels.iter().enumerate() {
+        let ray = camera.film(64, 48).ray((i % 64) as f32 + 0.5, (i / 64) as f32 + 0.5);
+        let b = -ray.origin.dot(ray.direction);
+        let discriminant = b * b - ray.origin.length_squared() + 1.0;
+        // Not at the outline, where facets cut off the ball.
+        if discriminant > 0.15 {
+            let cos = ray.at(b - discriminant.sqrt()).dot(light);
+            lit += usize::from(cos > 0.08);
+            assert!(cos < 0.08 || pixel.x > 0.02, "{i}: {} {cos}", pixel.x);
+            assert!(cos > -0.15 || pixel.x == 0.0, "{i}: {} {cos}", pixel.x);
+        }
+    }
+    assert!(lit > 300, "{lit}");
+}
+
 /// Emission and unlit colours are seen as they are, whatever the light.
 #[test]
 fn emission_and_unlit_are_seen_directly() {
@@ -218,7 +318,7 @@ fn normal_maps_lean_the_way_they_are_painted() {
 }
 
 /// What a mirror shows takes its light from the mesh like what is seen directly: no shadow ray but those of mesh
-/// points.
+/// points, and two to the lamp's image in the mirror.
 #[test]
 fn mirrored_hits_read_the_mesh() {
     let mut data = floor(Vec3::splat(0.8));
@@ -234,5 +334,24 @@ fn mirrored_hits_read_the_mesh() {
     assert!(d.relrmse < 1e-4 && truth.image.pixels[40 * 64 + 32].x > 0.1, "{d:?}");
     let stats = mesh.stats;
     assert!(stats.rays.secondary > 64 * 48 / 2 && stats.exact_fallbacks == 0, "{stats:?}");
-    assert_eq!(stats.rays.shadow, stats.direct.points_used - stats.direct.points_invalid);
+    assert_eq!(stats.fill_shadow_rays, stats.direct.points_used - stats.direct.points_invalid);
+    assert!(stats.rays.shadow - stats.fill_shadow_rays <= 2 * 64 * 48, "{stats:?}");
+}
+
+/// A lamp 1 m above a floor and 1 m below a mirror that faces down: I (1 / 1² + 1 / 3²) a/π, by every method.
+#[test]
+fn a_lamp_shines_by_way_of_a_mirror() {
+    let mut data = floor(Vec3::splat(0.5));
+    data.lights.push(point_light(Vec3::Y, Vec3::splat(30.0)));
+    data.materials.push(Material { metallic: 1.0, roughness: 0.0, base_color: Vec3::ONE, ..Material::default() });
+    let c = |x: f32, z: f32| Vec3::new(x, 2.0, z);
+    place(&mut data, quad([c(-2.0, -2.0), c(2.0, -2.0), c(2.0, 2.0), c(-2.0, 2.0)], 1));
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.2, 3.0), Vec3::ZERO, 0.3);
+    let expected = 0.5 / PI * 30.0 * (1.0 + 1.0 / 9.0);
+    for method in [Method::Standard, Method::MESH, Method::Hybrid, Method::UNBIASED, Method::Path] {
+        let image = shoot(&scene, &camera, &options(method)).image;
+        let middle = image.pixels[24 * 64 + 32].x;
+        assert!((middle / expected - 1.0).abs() < 0.02, "{method:?}: {middle} {expected}");
+    }
 }

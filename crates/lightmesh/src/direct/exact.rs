@@ -43,7 +43,7 @@ impl ExactShader {
             if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 self.lanes.push(lane as u32);
                 self.terms.push(term);
-                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction)));
+                self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction)));
             }
         }
 

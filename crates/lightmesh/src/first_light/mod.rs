@@ -16,7 +16,7 @@ mod survey;
 
 pub use survey::{FirstLight, Survey};
 
-use crate::{Camera, Error, Scene};
+use crate::{Error, Scene};
 
 impl Scene {
     /// Adds the light that [`Survey::wanted`] says this view needs. The studio's light is `strength` times as strong
@@ -35,7 +35,7 @@ impl Scene {
             }
             FirstLight::Studio => {
                 let data = self.data();
-                let view = data.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&self.bounds()));
+                let view = data.cameras.first().cloned().unwrap_or_else(|| data.framing_camera());
                 let white = studio::white(data) * strength;
                 let environment = studio::environment(&view, white, rotation);
                 let scene = self.relit(|data| data.environment = Some(environment))?;

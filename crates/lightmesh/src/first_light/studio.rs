@@ -104,7 +104,7 @@ pub(super) fn environment(view: &Camera, white: f32, rotation: f32) -> Environme
 fn azimuth(view: &Camera) -> f32 {
     let m = &view.world_from_camera.matrix3;
     let level = |axis: Vec3| Vec3::new(axis.x, 0.0, axis.z);
-    let (back, up) = (Vec3::from(m.z_axis), Vec3::from(m.y_axis));
+    let (back, up) = (m.z_axis.as_vec3(), m.y_axis.as_vec3());
     // Straight down, the lower edge of the picture is where the camera stands.
     let towards = if level(back).length() > 0.1 * back.length() { level(back) } else { -level(up) * back.y.signum() };
     libm::atan2f(-towards.z, towards.x)

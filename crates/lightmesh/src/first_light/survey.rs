@@ -83,7 +83,7 @@ impl Survey {
         let aspect = camera.aspect().clamp(0.05, 20.0);
         let height = (RAYS as f32 / aspect).sqrt().ceil();
         let (width, height) = ((height * aspect).ceil() as u32, height as u32);
-        let film = camera.film(width, height);
+        let film = camera.film_in(scene.data().origin, &scene.bounds(), width, height);
         let (mut places, mut distances) = (Vec::new(), Vec::new());
         let (mut hits, mut backs) = (0, 0);
         for pixel in 0..width * height {
@@ -107,9 +107,9 @@ impl Survey {
             seen: hits as f32 / (width * height) as f32,
             back_faces: backs as f32 / (hits as f32).max(1.0),
             open: is_open(scene, &places),
-            eye: camera.world_from_camera.translation.into(),
+            eye: (camera.world_from_camera.translation - scene.data().origin).as_vec3(),
             axes: [(m.x_axis, Vec3::X), (m.y_axis, Vec3::Y), (m.z_axis, Vec3::Z)]
-                .map(|(axis, fallback)| Vec3::from(axis).normalize_or(fallback)),
+                .map(|(axis, fallback)| axis.as_vec3().normalize_or(fallback)),
             distance: distances.get(distances.len() / 2).copied().unwrap_or(1.0),
         };
         let lit = has_own_light && (places.is_empty() || is_lit(scene, &places)?);

@@ -14,7 +14,9 @@ use crate::bvh::Hit;
 use crate::direct::ExactShader;
 use crate::film::{Film, RenderClock, Shown, ShownSample, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{Lobe, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint};
+use crate::interaction::{
+    Lobe, MirroredLights, MirroredShader, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint,
+};
 use crate::light::LightCut;
 use crate::progress::Reporter;
 use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
@@ -133,9 +135,11 @@ impl PathBlock {
 /// Radiance along a path, cd/m², or irradiance: the sum, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Radiance {
-    all: Vec3,
+    pub(super) all: Vec3,
     pub(super) direct: Vec3,
     pub(super) indirect: Vec3,
+    /// The part of the sum that diffuse surfaces receive by way of mirrors and glass: caustics.
+    pub(super) caustics: Vec3,
 }
 
 impl Radiance {
@@ -149,6 +153,15 @@ impl Radiance {
         self.all += path.all * share;
         self.direct += path.direct * share;
         self.indirect += path.indirect * share;
+        self.caustics += path.caustics * share;
+    }
+
+    /// Adds emission at the end of a path with so many diffuse bounces.
+    fn add_emission(&mut self, bounces: u32, origin: RayOrigin, radiance: Vec3) {
+        self.add(layer_of_emission(bounces, origin), radiance);
+        if matches!(origin, RayOrigin::Specular) {
+            self.caustics += radiance;
+        }
     }
 }
 
@@ -156,6 +169,7 @@ pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: ExactShader,
+    mirrored: MirroredShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
     /// The parts of camera rays that are no lit surfaces.
@@ -207,6 +221,7 @@ impl<'a> PathTracer<'a> {
             scene,
             options,
             scratch: ExactShader::default(),
+            mirrored: MirroredShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
             shown: Vec::new(),
@@ -228,7 +243,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// An estimate of the radiance along a camera ray, cd/m².
-    fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
+    pub(super) fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
         let path = PathRay::new(ray, cone);
         self.follow(PathState { path, beta: Vec3::ONE, bounces: 0, origin: RayOrigin::Camera, pixel }, sampler)
@@ -241,7 +256,7 @@ impl<'a> PathTracer<'a> {
         loop {
             let Some(hit) = self.scene.bvh().closest(&path.ray) else {
                 let radiance = beta * self.sky(&path.ray, origin);
-                li.add(layer_of_emission(bounces, origin), radiance);
+                li.add_emission(bounces, origin, radiance);
                 // What a mirror shows is a part of its surface.
                 if let RayOrigin::Camera = origin {
                     let part = beta.max_element().min(1.0);
@@ -267,7 +282,7 @@ impl<'a> PathTracer<'a> {
 
             // Add the surface's own light, and direct light that it reflects.
             let radiance = beta * self.emission(&path.ray, &hit, &surface, origin);
-            li.add(layer_of_emission(bounces, origin), radiance);
+            li.add_emission(bounces, origin, radiance);
             if let (RayOrigin::Camera | RayOrigin::CameraMirror, true) = (origin, radiance != Vec3::ZERO) {
                 let shown = if surface.is_unlit() { Shown::Unlit } else { Shown::Unmetered };
                 self.shown.push(ShownSample { pixel, shown, radiance, part: beta.max_element().min(1.0) });
@@ -354,6 +369,11 @@ impl<'a> PathTracer<'a> {
             self.rays.shadow += rays;
             sum += irradiance;
         }
+        if !scene.mirrored_lights().is_empty() {
+            let seed = (sampler.choice() * (1 << 24) as f32) as u32;
+            sum += self.mirrored.irradiance(scene, falloff, point, MirroredLights::One { seed });
+            self.rays.shadow += self.mirrored.take_rays();
+        }
         sum += self.emitters.area(scene, falloff, point, sampler);
         sum += self.emitters.environment(scene, point, sampler);
         self.rays.shadow += self.emitters.take_rays();
@@ -401,5 +421,5 @@ fn sample_bounce(point: &ShadingPoint, sampler: &mut Sampler) -> (Ray, f32) {
     let (t, b) = basis(point.n);
     let local = sample_cosine_hemisphere(sampler.next_pair());
     let direction = t * local.x + b * local.y + point.n * local.z;
-    (Ray::new(point.origin_towards(direction), direction), pdf_cosine_hemisphere(local.z))
+    (Ray::new(point.light_origin(direction), direction), pdf_cosine_hemisphere(local.z))
 }

@@ -2,6 +2,7 @@
 
 mod background;
 mod scene;
+mod sheets;
 
 pub(crate) use background::{Background, GroundShadow};
 pub use scene::Scene;

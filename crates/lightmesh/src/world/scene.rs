@@ -4,11 +4,15 @@ use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
 use super::background::Background;
+use super::sheets::sheets;
 use crate::Error;
-use crate::bvh::{SceneBvh, Target};
+use crate::bvh::{SceneBvh, Target, flattened_meshes};
 use crate::geometry::{Aabb, Ray};
-use crate::light::{Emitters, LightSamples};
-use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
+use crate::light::{Emitters, LightSamples, PlaneMirror, plane_mirrors};
+use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
+
+/// Pairs of a lamp and a plane mirror, at most.
+const MOST_MIRRORED_LIGHTS: usize = 256;
 
 /// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
 /// frames of it.
@@ -17,8 +21,12 @@ pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
     instance_frames: Vec<InstanceFrame>,
+    sheets: Vec<Option<Box<[bool]>>>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
+    mirrors: Vec<PlaneMirror>,
+    /// Which lamps are seen in which plane mirrors.
+    mirrored_lights: Vec<(Light, PlaneMirror)>,
     mipmaps: Vec<Mipmap>,
     opaque: Vec<bool>,
     all_opaque: bool,
@@ -39,6 +47,9 @@ pub(crate) struct InstanceFrame {
     pub handedness: f32,
     /// Whether object space is world space.
     pub is_identity: bool,
+    /// How much the transform to object space and back may amplify a rounding error, 1 for a rotation; 0 for meshes
+    /// that rays meet in world space.
+    pub amplification: f32,
 }
 
 impl Scene {
@@ -63,6 +74,7 @@ impl Scene {
             return Err(Error::EmptyScene);
         }
         // Invert the instances' transforms.
+        let flat = flattened_meshes(&data);
         let frames = data
             .instances
             .iter()
@@ -73,6 +85,7 @@ impl Scene {
                     normal_from_object: cofactor(m),
                     handedness,
                     is_identity: instance.world_from_object == glam::Affine3A::IDENTITY,
+                    amplification: if flat[instance.mesh] { 0.0 } else { amplification(m) },
                 }
             })
             .collect();
@@ -80,6 +93,8 @@ impl Scene {
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
+        let mirrors = plane_mirrors(&data);
+        let mirrored_lights = mirrored(&data.lights, &mirrors);
         let mipmaps = build_mipmaps(&data);
         let level = Level::new();
         let all_opaque = opaque.iter().all(|&s| s);
@@ -87,9 +102,12 @@ impl Scene {
         Ok(Self {
             emitters,
             emitter_options,
+            mirrors,
+            mirrored_lights,
             mipmaps,
             all_opaque,
             all_double_sided,
+            sheets: sheets(&data),
             data,
             bvh,
             instance_frames: frames,
@@ -108,6 +126,7 @@ impl Scene {
         change(&mut self.data);
         validate::check(&mut self.data)?;
         self.emitters = Emitters::new(&self.data, &self.bvh.bounds(), &self.emitter_options)?;
+        self.mirrored_lights = mirrored(&self.data.lights, &self.mirrors);
         Ok(self)
     }
 
@@ -156,6 +175,16 @@ impl Scene {
         &self.emitter_options
     }
 
+    /// Its largest plane mirrors.
+    pub(crate) fn plane_mirrors(&self) -> &[PlaneMirror] {
+        &self.mirrors
+    }
+
+    /// Punctual lights with the plane mirrors in which surfaces may see them.
+    pub(crate) fn mirrored_lights(&self) -> &[(Light, PlaneMirror)] {
+        &self.mirrored_lights
+    }
+
     /// The samples of all emitters but those that are left to gather rays.
     pub(crate) fn lights(&self) -> &LightSamples {
         &self.emitters.sampled
@@ -182,6 +211,13 @@ impl Scene {
     /// The transform of an instance for shading.
     pub(crate) fn instance_frame(&self, instance: u32) -> &InstanceFrame {
         &self.instance_frames[instance as usize]
+    }
+
+    /// Whether a triangle is part of a sheet: a transmissive surface that encloses nothing, and so stands for both faces
+    /// of a thin pane.
+    #[inline(always)]
+    pub(crate) fn is_sheet(&self, instance: u32, triangle: u32) -> bool {
+        self.sheets[instance as usize].as_ref().is_some_and(|sheet| sheet[triangle as usize])
     }
 
     /// Whether any texture is averaged over footprints.
@@ -219,6 +255,13 @@ impl Scene {
         !self.emitters.area.is_sampled(target)
     }
 
+    /// Whether gather rays find emission that light samples do not stand for: that of weak emitters and of user-defined
+    /// shapes, and all that is seen in mirrors.
+    pub(crate) fn rays_find_emission(&self) -> bool {
+        let is_mirror = |m: &Material| m.metallic >= 0.5 && !m.is_lambert() && !m.unlit;
+        self.has_unsampled_emitters() || (self.has_visible_emitters() && self.data.materials.iter().any(is_mirror))
+    }
+
     /// Whether there are emitters that are not sampled: weak ones, and user-defined shapes.
     pub(crate) fn has_unsampled_emitters(&self) -> bool {
         let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
@@ -231,10 +274,24 @@ impl Scene {
     }
 }
 
+/// Returns each lamp with each mirror, up to a number.
+fn mirrored(lights: &[Light], mirrors: &[PlaneMirror]) -> Vec<(Light, PlaneMirror)> {
+    let pairs = mirrors.iter().flat_map(|&mirror| lights.iter().map(move |&light| (light, mirror)));
+    pairs.take(MOST_MIRRORED_LIGHTS).collect()
+}
+
 /// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no
 /// inverse.
 fn cofactor(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+/// Returns how much m · m⁻¹ may amplify a rounding error: ‖ |m| |m⁻¹| ‖∞ / 3, at least 1 (Higham, *Accuracy and
+/// Stability of Numerical Algorithms*, section 7.2).
+fn amplification(m: Mat3) -> f32 {
+    let abs = |m: Mat3| Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let product = abs(m) * abs(m.as_dmat3().inverse().as_mat3());
+    ((product * Vec3::ONE).max_element() / 3.0).max(1.0)
 }
 
 fn is_opaque(material: &Material) -> bool {
