@@ -34,7 +34,7 @@ pub use crate::{
     },
     camera_choice::{choose as choose_camera, height_for},
     compare::visible_difference,
-    environment::{apply as apply_environment, read as read_environment},
+    environment::{FirstLit, add_first_light, apply as apply_environment, read as read_environment},
     settings::json as settings_json,
     stats::{MeshesStats, Stats, WorkStats},
 };

@@ -200,8 +200,11 @@ fn build(
 ) -> Result<Built, Failure> {
     let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
     let mut warnings: Vec<String> = warning.into_iter().collect();
-    warnings.extend(environment::apply(&mut data, asked_for, emitters));
-    Ok(Built { scene: Scene::with_emitters(data, &emitters.options)?, camera, warnings })
+    environment::apply(&mut data, asked_for, emitters);
+    let scene = Scene::with_emitters(data, &emitters.options)?;
+    let lit = environment::add_first_light(scene, &camera, emitters)?;
+    warnings.extend(lit.warnings);
+    Ok(Built { scene: lit.scene, camera, warnings })
 }
 
 /// Says which file bad input is about; the core does not know it.

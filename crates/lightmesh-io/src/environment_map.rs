@@ -48,7 +48,7 @@ pub fn read_environment(path: &Path, max_memory: u64) -> Result<EnvironmentMap, 
 
 /// Makes every texel a radiance.
 fn mend(name: String, image: Image) -> EnvironmentMap {
-    let Image { width, height, pixels } = image;
+    let Image { width, height, pixels, .. } = image;
     // Replace values that are no radiance.
     let (mut dark, mut infinite) = (Mended::default(), Mended::default());
     let mut texels = Vec::with_capacity(pixels.len());

@@ -53,7 +53,7 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     // Convert its samples to 32-bit floats.
     let pixels =
         r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
-    Ok(Image { width: size.x() as u32, height: size.y() as u32, pixels })
+    Ok(Image::new(size.x() as u32, size.y() as u32, pixels))
 }
 
 /// The sizes that headers announce.

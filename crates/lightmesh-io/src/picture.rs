@@ -77,5 +77,5 @@ fn read_png(file: &PictureFile, reader: BufReader<File>) -> Result<Image, Error>
             _ => Vec3::new(linear_from_srgb(c[0]), linear_from_srgb(c[1]), linear_from_srgb(c[2])),
         })
         .collect();
-    Ok(Image { width, height, pixels })
+    Ok(Image::new(width, height, pixels))
 }

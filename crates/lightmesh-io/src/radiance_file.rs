@@ -63,5 +63,5 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     let (samples, _) = samples.as_chunks::<4>();
     let (triples, _) = samples.as_chunks::<3>();
     let pixels = triples.iter().map(|[r, g, b]| Vec3::new(value(r), value(g), value(b)) / factor).collect();
-    Ok(Image { width, height, pixels })
+    Ok(Image::new(width, height, pixels))
 }

@@ -18,7 +18,7 @@ use lightmesh_io::{
 fn image() -> Image {
     let (width, height) = (37, 21);
     let pixels = (0..width * height).map(|i| Vec3::new(0.013 * i as f32, 3.0, 1.0 / (1.0 + i as f32))).collect();
-    Image { width, height, pixels }
+    Image::new(width, height, pixels)
 }
 
 fn metadata() -> Metadata {
@@ -106,7 +106,8 @@ fn layers_come_back_by_their_names() {
     }
 }
 
-/// 8 bits of sRGB: half a step of 1/255, steepest where the curve's inverse has slope 2.4 / 1.055.
+/// 8 bits of sRGB, dithered: a step of 1/255, steepest where the curve's inverse has slope 2.4 / 1.055. Unlit pixels are
+/// rounded to the nearest, whatever the exposure.
 #[test]
 fn png_shows_the_tone_mapped_picture() {
     let mut bytes = Vec::new();
@@ -114,7 +115,18 @@ fn png_shows_the_tone_mapped_picture() {
     let picture = read_back("a.png", &bytes).unwrap();
     assert_eq!(picture.encoding, Encoding::DisplayLinear);
     for (a, b) in picture.image.pixels.iter().zip(&image().pixels) {
-        assert!((*a - tone_map(*b * 0.5)).abs().max_element() <= 0.5 / 255.0 * 2.4 / 1.055 + 1e-6);
+        assert!((*a - tone_map(*b * 0.5)).abs().max_element() <= 1.0 / 255.0 * 2.4 / 1.055 + 1e-6);
+    }
+
+    let paint = Vec3::new(1.0, 0.5, 0.1);
+    let mut unlit = Image::new(37, 21, vec![paint; 37 * 21]);
+    unlit.display.unlit = vec![paint.extend(1.0); 37 * 21];
+    for ev in [-9.0, 5.0] {
+        let mut bytes = Vec::new();
+        write_png(&mut bytes, &unlit, ev, &metadata()).unwrap();
+        let image = read_back("a.png", &bytes).unwrap().image;
+        let byte = |c: f32| (255.0 * lightmesh_io::output::srgb_from_linear(c)).round() as u8;
+        assert!(image.pixels.iter().all(|p| p.to_array().map(byte) == [255, 188, 89]));
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lightmesh::{Environment, Scene, SceneData};
+use lightmesh::{Camera, Environment, FirstLight, Scene, SceneData, Survey};
 use lightmesh_cli::EmitterArgs;
 
 use crate::error::{Raise, without_dashes};
@@ -15,6 +15,13 @@ pub(crate) struct Built {
     pub(crate) emitters: EmitterArgs,
     /// Its own environment, which the options may have replaced.
     own_environment: Option<Environment>,
+    /// How many lights are its own.
+    own_lights: usize,
+    /// What was added to its own light, for pictures by this camera.
+    added: FirstLight,
+    camera: Camera,
+    /// Whether it has any light of its own.
+    has_own_light: bool,
     /// Warnings from building it, one sentence each.
     pub(crate) warnings: Vec<String>,
     /// How long building it took.
@@ -38,25 +45,74 @@ impl Raise for BuildError {
 }
 
 impl Built {
-    /// Lights the scene as asked, or softly if nothing does, and builds it: as the command line does.
-    pub(crate) fn new(mut data: SceneData, emitters: &EmitterArgs, max_memory: u64) -> Result<Self, BuildError> {
+    /// Lights the scene as asked, or as its first picture needs it, and builds it: as the command line does. Without a
+    /// camera it is lit for the scene's first one.
+    pub(crate) fn new(
+        mut data: SceneData,
+        emitters: &EmitterArgs,
+        max_memory: u64,
+        camera: Option<&Camera>,
+    ) -> Result<Self, BuildError> {
         let started = Instant::now();
         let mut warnings = Vec::new();
         let asked_for =
             lightmesh_cli::read_environment(emitters, max_memory, |warning| warnings.push(warning.to_owned()))
                 .map_err(BuildError::File)?;
         let own_environment = data.environment.clone();
-        let applied = lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
-        warnings.extend(applied.iter().map(|warning| without_dashes(warning)));
+        let own_lights = data.lights.len();
+        lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
         let scene = Scene::with_emitters(data, &emitters.options).map_err(BuildError::Scene)?;
         warnings.extend_from_slice(scene.warnings());
-        Ok(Self { scene, emitters: emitters.clone(), own_environment, warnings, time: started.elapsed() })
+        let camera = camera.cloned().unwrap_or_else(|| first_camera(&scene));
+        let lit = lightmesh_cli::add_first_light(scene, &camera, emitters).map_err(BuildError::Scene)?;
+        warnings.extend(lit.warnings.iter().map(|warning| without_dashes(warning)));
+        Ok(Self {
+            scene: lit.scene,
+            emitters: emitters.clone(),
+            own_environment,
+            own_lights,
+            added: lit.added,
+            camera,
+            has_own_light: lit.survey.has_own_light,
+            warnings,
+            time: started.elapsed(),
+        })
     }
 
     /// Returns the description that it was built from, to be changed or lit otherwise.
     fn data(&self) -> SceneData {
-        SceneData { environment: self.own_environment.clone(), ..self.scene.data().clone() }
+        let mut data = self.scene.data().clone();
+        data.environment = self.own_environment.clone();
+        data.lights.truncate(self.own_lights);
+        data
     }
+
+    /// Whether a picture by this camera, or by the first one, gets the light that the scene has now.
+    pub(crate) fn is_lit_for(&self, camera: Option<&Camera>) -> bool {
+        if self.emitters.environment.is_some() {
+            return true;
+        }
+        let camera = camera.cloned().unwrap_or_else(|| first_camera(&self.scene));
+        if camera == self.camera {
+            return true;
+        }
+        // The light that was added does not change what another view needs, where there is no other light.
+        let known = match self.added {
+            FirstLight::Own => true,
+            FirstLight::Studio => !self.has_own_light,
+            FirstLight::Headlight => false,
+        };
+        known
+            && Survey::new(&self.scene, &camera).is_ok_and(|survey| match self.added {
+                FirstLight::Studio => survey.open || survey.seen == 0.0,
+                added => survey.wanted == added,
+            })
+    }
+}
+
+/// The camera of pictures for which none is named.
+fn first_camera(scene: &Scene) -> Camera {
+    scene.data().cameras.first().cloned().unwrap_or_else(|| scene.data().framing_camera())
 }
 
 /// The state of a scene.

@@ -49,7 +49,7 @@ impl<'py> Given<'py> {
         };
         let side = |n: usize| u32::try_from(n).map_err(|_| error::scene(value.py(), format!("{name}: is too large")));
         let pixels = numbers.values.as_chunks().0.iter().copied().map(Vec3::from_array).collect();
-        let image = Image { width: side(width)?, height: side(height)?, pixels };
+        let image = Image::new(side(width)?, side(height)?, pixels);
         Ok(Self::Array(Picture { image, encoding: Encoding::SceneLinear }))
     }
 

@@ -50,8 +50,8 @@ impl PyPictureJob {
         let py = scene.py();
         // Parse the options, light the scene and choose the camera.
         let chosen = keywords::chosen("PictureJob", options)?;
-        let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen)?;
-        let camera = scene_camera(built.scene.data(), camera)?;
+        let camera = scene_camera(scene.get().state().data(), camera)?;
+        let LitScene { keywords, built } = light_mesh::lit_scene(scene, mesh, &chosen, Some(&camera))?;
         let options = keywords.options(&camera);
         options.check_picture_memory().map_err(|error| error.raise(py))?;
 

@@ -32,7 +32,7 @@ pub(crate) fn picture(place: &Place, size: (u32, u32), radius: f32) -> Image {
         let ray = film.ray((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
         radiance(place, &sheets, &ray, radius).unwrap_or(Vec3::ZERO)
     };
-    Image { width, height, pixels: (0..width * height).into_par_iter().map(pixel).collect() }
+    Image::new(width, height, (0..width * height).into_par_iter().map(pixel).collect())
 }
 
 fn sheets(place: &Place) -> Vec<Sheet> {

@@ -4,7 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use glam::Vec3;
 use lightmesh::{Camera, Image};
-use lightmesh_io::output::{Metadata, auto_exposure, write_png};
+use lightmesh_io::output::{Metadata, exposure_of, write_png};
 
 use crate::error::Error;
 use crate::report::{Figure, Panel};
@@ -16,7 +16,7 @@ pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
 
 /// Makes a figure of pictures beside each other, all with the exposure that suits the last one.
 pub(crate) fn figure(caption: &str, pictures: &[(&str, &Image)]) -> Result<Figure, Error> {
-    let ev = pictures.last().map_or(0.0, |(_, image)| auto_exposure(&image.pixels));
+    let ev = pictures.last().map_or(0.0, |(_, image)| exposure_of(image));
     let panels = pictures.iter().map(|(label, image)| panel(label, image, ev)).collect::<Result<_, _>>()?;
     Ok(Figure { caption: caption.to_owned(), panels })
 }
@@ -70,7 +70,7 @@ pub(crate) fn enlarged(image: &Image, part: Rect<u32>, times: u32) -> Image {
         image.pixels[(y * image.width + x) as usize]
     };
     let (width_out, height_out) = (width * times, height * times);
-    Image { width: width_out, height: height_out, pixels: (0..width_out * height_out).map(pixel).collect() }
+    Image::new(width_out, height_out, (0..width_out * height_out).map(pixel).collect())
 }
 
 /// Returns the luminance (Rec. 709), cd/m².
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn enlarging_repeats_pixels() {
         let pixels = (0..6).map(|i| Vec3::splat(i as f32)).collect();
-        let image = Image { width: 3, height: 2, pixels };
+        let image = Image::new(3, 2, pixels);
         let part = enlarged(&image, Rect { left: 1, top: 1, width: 5, height: 5 }, 2);
         assert_eq!((part.width, part.height), (4, 2));
         assert_eq!(part.pixels.iter().map(|p| p.x).collect::<Vec<_>>(), [4.0, 4.0, 5.0, 5.0, 4.0, 4.0, 5.0, 5.0]);

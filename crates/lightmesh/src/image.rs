@@ -1,6 +1,6 @@
 //! The finished picture, and statistics of its rendering.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 
 /// A linear picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,28 @@ pub struct Image {
     pub height: u32,
     /// Linear RGB, cd/m², row by row from the upper left.
     pub pixels: Vec<Vec3>,
+    /// What a display needs to know of the pixels; empty for a picture that was not rendered.
+    pub display: DisplayData,
+}
+
+impl Image {
+    /// Returns a picture of pixels of which nothing else is known.
+    pub fn new(width: u32, height: u32, pixels: Vec<Vec3>) -> Self {
+        Self { width, height, pixels, display: DisplayData::default() }
+    }
+}
+
+/// What a picture for a display needs beside the light: which part of a pixel has a colour that no exposure changes, and
+/// which part says nothing about the exposure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DisplayData {
+    /// By pixel, the colour that unlit surfaces show there, linear, times the part of the pixel that they cover, and
+    /// this part. The colour is a part of the pixel's light, 1 as 1 cd/m². Empty where no surface is unlit.
+    pub unlit: Vec<Vec4>,
+    /// By pixel, the part of it that is background, lamps or unlit, and the luminance that it adds, cd/m². Empty: none.
+    pub unmetered: Vec<Vec2>,
+    /// Luminance of a white surface in the light that was added to the scene, cd/m²; `None` where none was.
+    pub white_cd_m2: Option<f32>,
 }
 
 /// Wall-clock seconds of the steps of a frame.

@@ -28,6 +28,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
             "film",
             "integrator",
             "api",
+            "first_light",
             "distributed",
             "fingerprint",
             "metrics",

@@ -7,6 +7,7 @@ mod common;
 mod contents;
 mod direct_light;
 mod environment;
+mod first_light;
 mod flip;
 mod floors;
 mod focus;

@@ -56,7 +56,8 @@ pub const SURROUNDINGS: [Entry<Surroundings>; 6] = [
             },
             value_name: "FILE|COLOUR",
             help: "Light from all sides, in place of the file's own: a latitude-longitude map (.hdr or .exr; its \
-                   middle is +X, its top +Y), or one colour as R,G,B (linear) or #rrggbb (sRGB)",
+                   middle is +X, its top +Y), or one colour as R,G,B (linear), #rrggbb (sRGB) or black; without it, a picture \
+                   that would be black gets the light of a studio, or in closed rooms a lamp at the camera",
             ..EMITTER
         },
         get: |o| o.emitters.environment.as_ref().map(Value::text),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use lightmesh_io::output::linear_from_srgb;
 
-/// Light from all sides, as a user asks for it: a file, `R,G,B` (linear) or `#rrggbb` (sRGB).
+/// Light from all sides, as a user asks for it: a file, `R,G,B` (linear), `#rrggbb` (sRGB) or `black`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentArg {
     /// A latitude-longitude map.
@@ -15,16 +15,17 @@ pub enum EnvironmentArg {
     Color(Vec3),
 }
 
-pub(super) const EXPECTED: &str = "a .hdr or .exr file, R,G,B of linear numbers from 0 on, or #rrggbb";
+pub(super) const EXPECTED: &str = "a .hdr or .exr file, R,G,B of linear numbers from 0 on, #rrggbb, or black";
 
 impl EnvironmentArg {
-    /// Parses a file name, `R,G,B` or `#rrggbb`; `None` for any other text.
+    /// Parses a file name, `R,G,B`, `#rrggbb` or `black`; `None` for any other text.
     pub fn parse(text: &str) -> Option<Self> {
         let is_map = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("hdr") || e.eq_ignore_ascii_case("exr");
         if Path::new(text).extension().is_some_and(is_map) {
             return Some(Self::File(text.into()));
         }
-        hex(text).or_else(|| triple(text)).map(Self::Color)
+        let black = (text == "black").then_some(Vec3::ZERO);
+        black.or_else(|| hex(text)).or_else(|| triple(text)).map(Self::Color)
     }
 }
 
@@ -62,6 +63,7 @@ mod tests {
         assert_eq!(parse("1,2.hdr"), Some(EnvironmentArg::File("1,2.hdr".into())));
         assert_eq!(parse("0.5, 1e3,0"), Some(EnvironmentArg::Color(Vec3::new(0.5, 1000.0, 0.0))));
         assert_eq!(parse("#ff0000"), Some(EnvironmentArg::Color(Vec3::X)));
+        assert_eq!(parse("black"), Some(EnvironmentArg::Color(Vec3::ZERO)));
         let Some(EnvironmentArg::Color(grey)) = parse("#bcBCbc") else { panic!("a colour") };
         assert!((grey - 0.502_886).abs().max_element() < 1e-4, "{grey}");
         assert_eq!(parse(&EnvironmentArg::Color(grey).to_string()), Some(EnvironmentArg::Color(grey)));

@@ -1,7 +1,7 @@
 //! `--exposure`.
 
 use lightmesh::Image;
-use lightmesh_io::output::auto_exposure;
+use lightmesh_io::output::exposure_of;
 
 /// The exposure of a PNG.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,7 @@ impl Exposure {
     /// The exposure of this picture, in EV.
     pub fn for_picture(self, picture: &Image) -> f32 {
         match self {
-            Self::Auto => auto_exposure(&picture.pixels),
+            Self::Auto => exposure_of(picture),
             Self::Ev(ev) => ev,
         }
     }

@@ -24,10 +24,10 @@ pub(crate) struct RenderArgs {
     /// Scene file: .gltf, .glb, .obj or .ply
     pub(crate) scene: PathBuf,
 
-    /// Picture to write: .png (exposed, tone mapped, sRGB) or .exr (linear cd/m²); may be given several times
+    /// Picture to write: .png (exposed, tone mapped, sRGB, dithered) or .exr (linear cd/m²); may be given several times
     #[arg(short, long = "output", value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: 18% grey with highlights kept
+    /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: what is lit comes to 18% grey with highlights kept; unlit surfaces keep their colour
     #[arg(long, value_name = "EV|auto", default_value = "auto", value_parser = exposure::parse, allow_hyphen_values = true, help_heading = "Output")]
     pub(crate) exposure: Exposure,
     /// Write 16-bit instead of 32-bit floats to EXR files

@@ -10,8 +10,7 @@ use serde_json::Value;
 
 /// Writes a picture of `value` times a gradient, as EXR or PNG by the name.
 fn picture(place: &Place, name: &str, width: u32, value: f32) {
-    let image =
-        Image { width, height: 8, pixels: (0..width * 8).map(|i| Vec3::splat(value * (1 + i) as f32)).collect() };
+    let image = Image::new(width, 8, (0..width * 8).map(|i| Vec3::splat(value * (1 + i) as f32)).collect());
     let metadata = Metadata {
         software: "test".into(),
         method: "mesh".into(),

@@ -36,7 +36,7 @@ fn a_preview_that_cannot_be_written_is_refused_at_once() {
         ("b.png", &["b.png", "twice"]),
     ] {
         // A size that would take hours: nothing is rendered before.
-        let line = format!("render scene.gltf -o b.png --size 9000x9000 --spp 60000 --preview {preview}");
+        let line = format!("render scene.gltf -o b.png --size 5000x5000 --spp 60000 --preview {preview}");
         place.run(&line).exits(2).says(words);
         assert_eq!(place.files(), ["folder.png", "scene.gltf"], "{preview}");
     }

@@ -2,14 +2,16 @@
 //!
 //! | | PNG | EXR |
 //! |---|---|---|
-//! | values | exposed, tone mapped, sRGB | linear cd/m² |
-//! | bits per channel | 8 | 32-bit float, or 16-bit |
+//! | values | exposed, tone mapped, sRGB; unlit colours as they are | linear cd/m² |
+//! | bits per channel | 8, dithered | 32-bit float, or 16-bit |
 //! | layers | none | those of the frame, beside the light |
 //! | carries | program, method, scene, settings, exposure | the same, seconds, samples, estimated error, camera matrices |
 //!
 //! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a
 //! render took stand in the EXR.
 
+mod display;
+mod dither;
 mod exposure;
 mod exr;
 mod exr_channels;
@@ -20,7 +22,7 @@ mod staged;
 mod tone_map;
 
 pub use self::{
-    exposure::auto_exposure,
+    exposure::{auto_exposure, exposure_of},
     exr::{Precision, write_exr},
     format::Format,
     metadata::Metadata,

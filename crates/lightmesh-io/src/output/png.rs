@@ -5,9 +5,10 @@ use std::io::{self, Write};
 use lightmesh::Image;
 use rayon::prelude::*;
 
-use super::{Metadata, expose, srgb_from_linear, tone_map};
+use super::{Metadata, display, dither};
 
-/// Writes the picture, exposed by `ev` ([`expose`]), tone mapped ([`tone_map`]) and sRGB-encoded.
+/// Writes the picture, exposed by `ev` ([`expose`](super::expose)), tone mapped ([`tone_map`](super::tone_map)),
+/// sRGB-encoded and dithered. Unlit surfaces keep their colour.
 ///
 /// # Errors
 /// What `out` answers; also if the picture is larger than a PNG can be (2³¹ − 1 pixels a side).
@@ -28,14 +29,17 @@ pub fn write_png(out: impl Write, image: &Image, ev: f32, metadata: &Metadata) -
         encoder.add_itxt_chunk(keyword.to_owned(), text)?;
     }
 
-    let bytes: Vec<[u8; 3]> = image.pixels.par_iter().map(|&p| byte_rgb(tone_map(expose(p, ev)))).collect();
+    let width = image.width.max(1) as usize;
+    let byte_rgb = |i: usize| {
+        let color = display::color(image, i, ev);
+        match display::is_unlit(image, i) {
+            true => dither::nearest_bytes(color),
+            false => dither::bytes(color, (i % width) as u32, (i / width) as u32),
+        }
+    };
+    let bytes: Vec<[u8; 3]> = (0..image.pixels.len()).into_par_iter().map(byte_rgb).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(bytes.as_flattened())?;
     writer.finish()?;
     Ok(())
-}
-
-/// The sRGB bytes of a display-linear colour, rounded to nearest.
-fn byte_rgb(color: glam::Vec3) -> [u8; 3] {
-    color.to_array().map(|c| (255.0 * srgb_from_linear(c) + 0.5) as u8)
 }

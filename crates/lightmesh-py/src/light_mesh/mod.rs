@@ -5,7 +5,7 @@ mod fill;
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::LightMesh;
+use lightmesh::{Camera, LightMesh};
 use lightmesh_cli::Chosen;
 use pyo3::prelude::*;
 
@@ -44,17 +44,18 @@ pub(crate) struct PyLightMesh {
     arrays: Mutex<Option<Py<PyMeshArrays>>>,
 }
 
-/// Parses the options of a picture or of meters, with a mesh or without, and lights the scene as they say.
+/// Parses the options of a picture by the camera, or of meters, with a mesh or without, and lights the scene as they say.
 pub(crate) fn lit_scene(
     scene: &Bound<'_, PyScene>,
     mesh: Option<&Bound<'_, PyLightMesh>>,
     chosen: &Chosen,
+    camera: Option<&Camera>,
 ) -> PyResult<LitScene> {
     if let Some(mesh) = mesh {
         return mesh.get().lit_scene(scene, chosen);
     }
     let keywords = Keywords::new(scene.py(), chosen)?;
-    let built = scene.get().lit(scene.py(), &keywords)?;
+    let built = scene.get().lit(scene.py(), &keywords, camera)?;
     Ok(LitScene { keywords, built })
 }
 
@@ -71,7 +72,7 @@ impl PyLightMesh {
             return Err(error::option(py, "method: standard and path have no mesh"));
         }
         let revision = scene.get().revision();
-        let built = scene.get().lit(py, &keywords)?;
+        let built = scene.get().lit(py, &keywords, None)?;
         let lit = LitScene { keywords, built };
         let mesh = SharedMesh::new(make(&lit)?);
         let scene = scene.clone().unbind();

@@ -279,7 +279,8 @@ impl PyScene {
     /// light_error: error of the sum over many lights. seed: of all randomness.
     /// environment: .hdr or .exr file, (r, g, b) or "#rrggbb", in place of the scene's; environment_strength multiplies
     /// it, and environment_rotation turns it, degrees. light_samples: for each thing with a size that shines.
-    /// light_radius: metres, makes lights spheres. Where nothing shines at all, there is a soft environment.
+    /// light_radius: metres, makes lights spheres. Where no light reaches what the camera sees, there is the soft light of
+    /// a studio, and in closed rooms a lamp at the camera; environment="black" leaves it dark.
     /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the
     /// indirect mesh.
     /// refine: how often meshes may halve their spacing. lod_distance: metres from the camera within which they are denser.
@@ -310,8 +311,8 @@ impl PyScene {
     ) -> PyResult<PyImage> {
         let (py, scene) = (slf.py(), slf.get());
         let chosen = keywords::chosen("render", options)?;
-        let lit = light_mesh::lit_scene(slf, mesh, &chosen)?;
-        let camera = scene_camera(lit.built.scene.data(), camera)?;
+        let camera = scene_camera(scene.state().data(), camera)?;
+        let lit = light_mesh::lit_scene(slf, mesh, &chosen, Some(&camera))?;
         let progress = Listener::new(py, progress)?;
         let result = render::render(py, scene, lit, camera, mesh.map(Bound::get), progress.callback());
         progress.close(result)
@@ -341,7 +342,7 @@ impl PyScene {
         // error, refine, lod_distance and time_limit are known too, so that it is said why meters do not have them.
         let chosen = keywords::chosen_without("irradiance", &["size", "aov", "cutoff"], options)?;
         let meters = arrays::meters(positions, normals)?;
-        let lit = light_mesh::lit_scene(slf, mesh, &chosen)?;
+        let lit = light_mesh::lit_scene(slf, mesh, &chosen, None)?;
         let options = lit.keywords.mesh_options();
         let mesh = mesh.map(|mesh| &mesh.get().mesh);
         meters::measure(slf.py(), lit, options, meters, mesh, progress)?.irradiance(slf.py())

@@ -55,7 +55,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, options: LoadOptions) -> PyRes
         let started = Instant::now();
         let loaded = lightmesh_io::load(&path, &options).map_err(BuildError::File)?;
         let load_time = started.elapsed();
-        Ok((Built::new(loaded.data, &emitters, options.max_memory)?, loaded.warnings, load_time))
+        Ok((Built::new(loaded.data, &emitters, options.max_memory, None)?, loaded.warnings, load_time))
     })?;
 
     // Errors of the scene itself do not know its file.

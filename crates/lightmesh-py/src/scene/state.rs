@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use lightmesh::SceneData;
+use lightmesh::{Camera, SceneData};
 use lightmesh_cli::{Chosen, EmitterArgs};
 use pyo3::prelude::*;
 
@@ -83,25 +83,27 @@ impl PyScene {
     pub(crate) fn built(&self, py: Python<'_>) -> PyResult<Arc<Built>> {
         match self.state() {
             State::Built(built) => Ok(built),
-            State::Draft(_) => self.lit(py, &Keywords::new(py, &Chosen::default())?),
+            State::Draft(_) => self.lit(py, &Keywords::new(py, &Chosen::default())?, None),
         }
     }
 
-    /// Returns the scene ready for rays, lit as the options say; builds it unless it is.
-    pub(crate) fn lit(&self, py: Python<'_>, keywords: &Keywords) -> PyResult<Arc<Built>> {
+    /// Returns the scene ready for rays, lit as the options say, and where they do not, as a picture by the camera needs
+    /// it; `None`: by the scene's first one. Builds it unless it is.
+    pub(crate) fn lit(&self, py: Python<'_>, keywords: &Keywords, camera: Option<&Camera>) -> PyResult<Arc<Built>> {
         let emitters: EmitterArgs = keywords.emitters().clone();
         let (state, revision) = {
             let inner = locked(&self.inner);
             (inner.state.clone(), inner.revision)
         };
         let state = match state {
-            State::Built(built) if built.emitters == emitters => return Ok(built),
+            State::Built(built) if built.emitters == emitters && built.is_lit_for(camera) => return Ok(built),
             other => other,
         };
 
         // Build it without holding the lock.
         let max_memory = keywords.mesh_options().limits.max_memory;
-        let work = move |_: &work::Watch| Built::new(state.into_data(), &emitters, max_memory);
+        let camera = camera.cloned();
+        let work = move |_: &work::Watch| Built::new(state.into_data(), &emitters, max_memory, camera.as_ref());
         let built = work::run(py, keywords.threads(), None, AtInterrupt::Abandon, work)?;
         let built = Arc::new(built.map_err(|error| error.raise(py))?);
 

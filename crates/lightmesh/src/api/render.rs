@@ -90,6 +90,7 @@ fn render_waves(
 /// Makes the empty film of a picture.
 pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
     let mut film = Film::new(scene, camera, options);
+    film.set_white(scene.white_cd_m2());
     if !scene.averages_textures() {
         film.drop_cones();
     }

@@ -2,6 +2,7 @@
 
 mod clock;
 mod coarse_preview;
+mod display;
 mod emitter_edges;
 mod layers;
 mod order;
@@ -14,6 +15,8 @@ use std::ops::Range;
 
 pub(crate) use clock::RenderClock;
 use coarse_preview::CoarsePreview;
+use display::DisplaySums;
+pub(crate) use display::{Shown, ShownSample};
 use emitter_edges::EmitterEdges;
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
@@ -43,6 +46,9 @@ pub(crate) struct Film {
     sums: Vec<Vec3>,
     aovs: Aovs,
     layers: Layers,
+    display: DisplaySums,
+    /// Luminance of a white surface in the studio, cd/m².
+    white_cd_m2: Option<f32>,
     /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not
     /// supersampled.
     seen: Vec<u8>,
@@ -84,6 +90,8 @@ impl Film {
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.picture.aovs,
             layers: Layers::new(options.picture.aovs, order.len()),
+            display: DisplaySums::new(order.len()),
+            white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
             emitter_edges: None,
@@ -93,6 +101,11 @@ impl Film {
     /// Gives rays no cones: no texture is averaged over a footprint.
     pub(crate) fn drop_cones(&mut self) {
         self.cones = false;
+    }
+
+    /// Says how bright a white surface is in the light that was added to the scene, cd/m².
+    pub(crate) fn set_white(&mut self, white_cd_m2: Option<f32>) {
+        self.white_cd_m2 = white_cd_m2;
     }
 
     /// Begins a pass over some of the samples of every pixel, which follow those that it has.
@@ -106,6 +119,7 @@ impl Film {
         let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
+        self.display = DisplaySums::default();
     }
 
     /// Keeps the coarse preview, to be shown where pixels have no samples, and empties the film.
@@ -113,6 +127,7 @@ impl Film {
         self.coarse_preview =
             Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
         self.layers = Layers::new(self.aovs, self.order.len());
+        self.display = DisplaySums::new(self.order.len());
         self.begin_pass(0..self.offsets.len() as u32);
     }
 
@@ -129,6 +144,8 @@ impl Film {
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
+            display: DisplaySums::default(),
+            white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
             emitter_edges: None,
@@ -247,6 +264,11 @@ impl Film {
     /// Adds one sample's radiance, or a part of it.
     pub(crate) fn add(&mut self, pixel: u32, radiance: Vec3) {
         self.sums[pixel as usize] += radiance;
+    }
+
+    /// Notes that a part of a sample, whose radiance is added by itself, is no lit surface.
+    pub(crate) fn note_shown(&mut self, sample: ShownSample) {
+        self.display.add(sample);
     }
 
     /// Adds a surface that a sample met first and that covers the part `weight` of it.

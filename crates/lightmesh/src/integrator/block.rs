@@ -7,9 +7,9 @@ use glam::Vec3;
 use super::first_hits::FirstHits;
 use super::point_block::PointBlock;
 use crate::bvh::Hit;
-use crate::film::{Film, Sample};
+use crate::film::{Film, Sample, Shown, ShownSample};
 use crate::geometry::Ray;
-use crate::interaction::{PathRay, ShadedHit, evaluate_footprint};
+use crate::interaction::{PathRay, ShadedHit, SpecularLobe, evaluate_footprint};
 use crate::{Aov, RenderOptions, Scene};
 
 /// Rays per block, the unit of parallel work: large enough for one SIMD dispatch, small enough to cancel quickly.
@@ -22,6 +22,8 @@ pub(super) struct WaveRay {
     /// Throughput: radiance at the film per unit of radiance along the ray.
     beta: Vec3,
     pixel: u32,
+    /// Whether a mirror was on its way: it then sees the environment, not the background.
+    mirrored: bool,
 }
 
 impl WaveRay {
@@ -29,6 +31,11 @@ impl WaveRay {
     /// acted on the throughput, so that it is grey.
     fn coverage(beta: Vec3) -> f32 {
         beta.x
+    }
+
+    /// Notes what a part of its sample shows, `beta` the throughput from there.
+    fn shown(&self, shown: Shown, beta: Vec3, radiance: Vec3) -> ShownSample {
+        ShownSample { pixel: self.pixel, shown, radiance, part: beta.max_element().min(1.0) }
     }
 }
 
@@ -42,6 +49,8 @@ pub(super) struct RayBlock {
     pub(super) points: PointBlock,
     /// Radiance that needs no lighting, by pixel: emission and sky.
     emitted: Vec<(u32, Vec3)>,
+    /// Which of it is no lit surface.
+    shown: Vec<ShownSample>,
     /// Whether each camera ray met an emitter, by pixel; empty in scenes without.
     emitter_seen: Vec<(u32, bool)>,
     /// What camera rays met first; empty where the picture has no layers.
@@ -56,7 +65,7 @@ impl RayBlock {
         self.input.clear();
         self.input.extend(film.samples(samples).map(|sample: Sample| {
             let (ray, cone) = film.ray(sample);
-            WaveRay { path: PathRay::new(ray, cone), beta: Vec3::ONE, pixel: sample.pixel }
+            WaveRay { path: PathRay::new(ray, cone), beta: Vec3::ONE, pixel: sample.pixel, mirrored: false }
         }));
         (self.points.traced, self.points.completes) = (self.input.len() as u64, self.input.len() as u64);
     }
@@ -75,6 +84,9 @@ impl RayBlock {
         }
         for &(pixel, radiance) in &self.emitted {
             film.add(pixel, radiance);
+        }
+        for &sample in &self.shown {
+            film.note_shown(sample);
         }
         let PointBlock { batch, indirect, .. } = &self.points;
         for (point, &irradiance) in batch.vertices.iter().zip(&batch.direct) {
@@ -114,6 +126,7 @@ impl RayBlock {
 
         self.points.clear();
         self.emitted.clear();
+        self.shown.clear();
         self.next.clear();
         self.emitter_seen.clear();
         self.first_hits.clear();
@@ -123,12 +136,20 @@ impl RayBlock {
 
             // Rays that leave the scene see the environment.
             let Some(hit) = hit else {
-                let sky = scene.environment(from.path.ray.direction.normalize());
+                let sky = match from.mirrored {
+                    true => scene.environment(from.path.ray.direction.normalize()),
+                    false => scene.backdrop(&from.path.ray),
+                };
                 if first {
                     self.emitter_seen.push((from.pixel, sky != Vec3::ZERO));
                 }
+                let radiance = from.beta * sky;
                 if sky != Vec3::ZERO {
-                    self.emitted.push((from.pixel, from.beta * sky));
+                    self.emitted.push((from.pixel, radiance));
+                }
+                // What a mirror shows is a part of its surface.
+                if !from.mirrored {
+                    self.shown.push(from.shown(Shown::Unmetered, from.beta, radiance));
                 }
                 continue;
             };
@@ -141,7 +162,10 @@ impl RayBlock {
                     .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_unsampled(hit.target)));
             }
             if surface.emission != Vec3::ZERO {
-                self.emitted.push((from.pixel, beta * surface.emission));
+                let radiance = beta * surface.emission;
+                self.emitted.push((from.pixel, radiance));
+                let shown = if surface.is_unlit() { Shown::Unlit } else { Shown::Unmetered };
+                self.shown.push(from.shown(shown, beta, radiance));
             }
 
             // Let diffuse surfaces be lit, and send rays on from the others.
@@ -165,7 +189,7 @@ fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &ShadedHit
         if beta.max_element() > options.transport.cutoff
             && let Some(path) = from.path.pass_through(hit)
         {
-            next.push(WaveRay { path, beta, pixel: from.pixel });
+            next.push(WaveRay { path, beta, ..*from });
         }
     }
     if from.path.depth >= options.transport.depth {
@@ -174,7 +198,8 @@ fn spawn(next: &mut Vec<WaveRay>, from: &WaveRay, hit: &Hit, surface: &ShadedHit
     for (lobe, albedo) in surface.lobes().specular() {
         let beta = from.beta * surface.opacity * albedo;
         if beta.max_element() > options.transport.cutoff {
-            next.push(WaveRay { path: from.path.spawn(hit, surface, lobe), beta, pixel: from.pixel });
+            let mirrored = from.mirrored || lobe == SpecularLobe::Reflection;
+            next.push(WaveRay { path: from.path.spawn(hit, surface, lobe), beta, mirrored, ..*from });
         }
     }
 }

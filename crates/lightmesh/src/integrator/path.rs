@@ -12,7 +12,7 @@ use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
 use crate::direct::ExactShader;
-use crate::film::{Film, RenderClock, SumOrder, take_samples};
+use crate::film::{Film, RenderClock, Shown, ShownSample, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{
     Lobe, MirroredLights, MirroredShader, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint,
@@ -88,6 +88,7 @@ pub(crate) fn trace_pass(
 /// What some samples have brought to the film.
 struct PathBlock {
     radiance: Vec<(u32, Radiance)>,
+    shown: Vec<ShownSample>,
     first_hits: FirstHits,
     rays: RayCounts,
 }
@@ -113,13 +114,14 @@ impl PathBlock {
             })
             .collect();
         reporter.add(count, tracer.rays.total());
-        Self { radiance, first_hits: tracer.first_hits, rays: tracer.rays }
+        Self { radiance, shown: tracer.shown, first_hits: tracer.first_hits, rays: tracer.rays }
     }
 
     fn add_to(&self, film: &mut Film) {
         for (pixel, radiance) in &self.radiance {
             film.add(*pixel, radiance.all);
         }
+        self.shown.iter().for_each(|&sample| film.note_shown(sample));
         if film.has_layers() {
             for (pixel, radiance) in &self.radiance {
                 film.layers().add(Aov::Direct, *pixel, radiance.direct);
@@ -170,14 +172,18 @@ pub(super) struct PathTracer<'a> {
     mirrored: MirroredShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
+    /// The parts of camera rays that are no lit surfaces.
+    shown: Vec<ShownSample>,
     first_hits: FirstHits,
 }
 
 /// Where a ray comes from, which decides how much the emission that it meets counts.
 #[derive(Clone, Copy, Debug)]
 enum RayOrigin {
-    /// From the camera, by mirrors and glass alone: all emission counts, that of unlit surfaces too.
+    /// From the camera, by glass alone: all emission counts, that of unlit surfaces too, and the background.
     Camera,
+    /// From the camera, by a mirror: the same, with the environment for the background.
+    CameraMirror,
     /// By a mirror from a diffuse surface: no light sample leads here.
     Specular,
     /// From a diffuse surface in a direction of this density (per steradian), through nothing: one half of an
@@ -218,6 +224,7 @@ impl<'a> PathTracer<'a> {
             mirrored: MirroredShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
+            shown: Vec::new(),
             first_hits: FirstHits::default(),
         }
     }
@@ -248,7 +255,13 @@ impl<'a> PathTracer<'a> {
         let mut li = Radiance::default();
         loop {
             let Some(hit) = self.scene.bvh().closest(&path.ray) else {
-                li.add_emission(bounces, origin, beta * self.sky(&path.ray, origin));
+                let radiance = beta * self.sky(&path.ray, origin);
+                li.add_emission(bounces, origin, radiance);
+                // What a mirror shows is a part of its surface.
+                if let RayOrigin::Camera = origin {
+                    let part = beta.max_element().min(1.0);
+                    self.shown.push(ShownSample { pixel, shown: Shown::Unmetered, radiance, part });
+                }
                 break;
             };
             let surface = evaluate_footprint(self.scene, &path.ray, path.cone, &hit);
@@ -268,7 +281,12 @@ impl<'a> PathTracer<'a> {
             }
 
             // Add the surface's own light, and direct light that it reflects.
-            li.add_emission(bounces, origin, beta * self.emission(&path.ray, &hit, &surface, origin));
+            let radiance = beta * self.emission(&path.ray, &hit, &surface, origin);
+            li.add_emission(bounces, origin, radiance);
+            if let (RayOrigin::Camera | RayOrigin::CameraMirror, true) = (origin, radiance != Vec3::ZERO) {
+                let shown = if surface.is_unlit() { Shown::Unlit } else { Shown::Unmetered };
+                self.shown.push(ShownSample { pixel, shown, radiance, part: beta.max_element().min(1.0) });
+            }
             // The last bounce only looks for emitters.
             if bounces > self.options.transport.bounces {
                 break;
@@ -305,7 +323,8 @@ impl<'a> PathTracer<'a> {
                 Lobe::Specular(lobe) => {
                     path = path.spawn(&hit, &surface, lobe);
                     origin = match (origin, lobe) {
-                        (RayOrigin::Camera, _) => RayOrigin::Camera,
+                        (RayOrigin::Camera, SpecularLobe::Transmission) => RayOrigin::Camera,
+                        (RayOrigin::Camera | RayOrigin::CameraMirror, _) => RayOrigin::CameraMirror,
                         (_, SpecularLobe::Reflection) => RayOrigin::Specular,
                         (_, SpecularLobe::Transmission) => RayOrigin::Transmitted,
                     };
@@ -366,7 +385,7 @@ impl<'a> PathTracer<'a> {
         let area = &self.scene.emitters().area;
         let light = || area.pdf(self.scene.data(), hit.target);
         match origin {
-            RayOrigin::Camera => surface.emission,
+            RayOrigin::Camera | RayOrigin::CameraMirror => surface.emission,
             RayOrigin::Specular => surface.illuminating,
             RayOrigin::Bsdf { pdf } if surface.illuminating != Vec3::ZERO => {
                 let d = surface.position - ray.origin;
@@ -382,10 +401,13 @@ impl<'a> PathTracer<'a> {
 
     /// The part of the environment's radiance that counts at the end of a ray.
     fn sky(&self, ray: &Ray, origin: RayOrigin) -> Vec3 {
+        if let RayOrigin::Camera = origin {
+            return self.scene.backdrop(ray);
+        }
         let Some(environment) = &self.scene.emitters().environment else { return Vec3::ZERO };
         let direction = ray.direction.normalize();
         let share = match origin {
-            RayOrigin::Camera | RayOrigin::Specular => 1.0,
+            RayOrigin::Camera | RayOrigin::CameraMirror | RayOrigin::Specular => 1.0,
             RayOrigin::Bsdf { pdf } => power_heuristic(pdf, environment.pdf(direction)),
             RayOrigin::Transmitted => return Vec3::ZERO,
         };

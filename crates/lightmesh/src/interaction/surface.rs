@@ -103,6 +103,11 @@ impl ShadedHit {
         if mirrored.dot(self.ng) > 0.0 { mirrored } else { about(self.ng) }
     }
 
+    /// Whether the surface shows a colour of its own that lights nothing.
+    pub(crate) fn is_unlit(&self) -> bool {
+        self.emission != Vec3::ZERO && self.illuminating == Vec3::ZERO
+    }
+
     /// A ray from the surface along `direction`.
     pub(crate) fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray::new(offset_origin(self.position, self.ng, self.offset, direction), direction)

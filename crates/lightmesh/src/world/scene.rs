@@ -3,10 +3,11 @@
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
+use super::background::Background;
 use super::sheets::sheets;
 use crate::Error;
 use crate::bvh::{SceneBvh, Target, flattened_meshes};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Ray};
 use crate::light::{Emitters, LightSamples, PlaneMirror, plane_mirrors};
 use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
 
@@ -31,6 +32,8 @@ pub struct Scene {
     all_opaque: bool,
     all_double_sided: bool,
     warnings: Vec<String>,
+    /// What camera rays see in place of the environment.
+    background: Option<Background>,
     level: Level,
 }
 
@@ -91,8 +94,7 @@ impl Scene {
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
         let mirrors = plane_mirrors(&data);
-        let pairs = mirrors.iter().flat_map(|&mirror| data.lights.iter().map(move |&light| (light, mirror)));
-        let mirrored_lights = pairs.take(MOST_MIRRORED_LIGHTS).collect();
+        let mirrored_lights = mirrored(&data.lights, &mirrors);
         let mipmaps = build_mipmaps(&data);
         let level = Level::new();
         let all_opaque = opaque.iter().all(|&s| s);
@@ -111,8 +113,26 @@ impl Scene {
             instance_frames: frames,
             opaque,
             warnings,
+            background: None,
             level,
         })
+    }
+
+    /// Lights the scene otherwise, and keeps what does not depend on light.
+    ///
+    /// # Errors
+    /// As [`Scene::with_emitters`].
+    pub(crate) fn relit(mut self, change: impl FnOnce(&mut SceneData)) -> Result<Self, Error> {
+        change(&mut self.data);
+        validate::check(&mut self.data)?;
+        self.emitters = Emitters::new(&self.data, &self.bvh.bounds(), &self.emitter_options)?;
+        self.mirrored_lights = mirrored(&self.data.lights, &self.mirrors);
+        Ok(self)
+    }
+
+    /// Shows a background to camera rays that leave the scene.
+    pub(crate) fn with_background(self, background: Background) -> Self {
+        Self { background: Some(background), ..self }
     }
 
     /// The description that it was built from, repaired where [`Scene::warnings`] says so.
@@ -173,6 +193,19 @@ impl Scene {
     /// Returns the radiance of a ray that leaves the scene along a unit direction, cd/m².
     pub(crate) fn environment(&self, direction: Vec3) -> Vec3 {
         self.emitters.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(direction))
+    }
+
+    /// Returns the radiance that the camera sees along a ray that leaves the scene, unless it comes from a mirror.
+    pub(crate) fn backdrop(&self, ray: &Ray) -> Vec3 {
+        match &self.background {
+            Some(background) => background.radiance(ray),
+            None => self.environment(ray.direction.normalize()),
+        }
+    }
+
+    /// Returns how bright a white surface is in the light of the studio, cd/m²; `None` in the scene's own light.
+    pub(crate) fn white_cd_m2(&self) -> Option<f32> {
+        self.background.as_ref().map(|background| background.white_cd_m2)
     }
 
     /// The transform of an instance for shading.
@@ -239,6 +272,12 @@ impl Scene {
     pub(crate) fn simd_level(&self) -> Level {
         self.level
     }
+}
+
+/// Returns each lamp with each mirror, up to a number.
+fn mirrored(lights: &[Light], mirrors: &[PlaneMirror]) -> Vec<(Light, PlaneMirror)> {
+    let pairs = mirrors.iter().flat_map(|&mirror| lights.iter().map(move |&light| (light, mirror)));
+    pairs.take(MOST_MIRRORED_LIGHTS).collect()
 }
 
 /// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no
