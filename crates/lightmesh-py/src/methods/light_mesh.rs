@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use crate::error::{self, Raise};
 use crate::light_mesh::{Part, PyLightMesh, PyMeshArrays, Target};
 use crate::listener::Listener;
-use crate::scene::{LitScene, PyScene};
+use crate::scene::{LitScene, PyScene, scene_camera};
 use crate::work::{self, AtInterrupt};
 use crate::{arrays, json, keywords, mesh_files};
 
@@ -20,15 +20,27 @@ use crate::{arrays, json, keywords, mesh_files};
 impl PyLightMesh {
     #[new]
     #[pyo3(
-        signature = (scene, **options),
-        text_signature = "(scene, *, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB')"
+        signature = (scene, *, cameras=None, **options),
+        text_signature = "(scene, *, cameras=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB')"
     )]
-    fn new(scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(
+        scene: &Bound<'_, PyScene>,
+        cameras: Option<Vec<Bound<'_, PyAny>>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
         let py = scene.py();
         let chosen = keywords::chosen("LightMesh", options)?;
         Self::with(scene, chosen, |LitScene { keywords, built }| {
             let (options, built) = (keywords.mesh_options(), Arc::clone(built));
-            let make = move |_: &work::Watch| LightMesh::new(&built.scene, &options);
+            let cameras = cameras.map(|cameras| {
+                let cameras = cameras.iter().map(|camera| scene_camera(built.scene.data(), Some(camera)));
+                cameras.collect::<PyResult<Vec<_>>>()
+            });
+            let cameras = cameras.transpose()?;
+            let make = move |_: &work::Watch| match cameras {
+                Some(cameras) => LightMesh::for_cameras(&built.scene, &options, &cameras),
+                None => LightMesh::new(&built.scene, &options),
+            };
             work::run(py, keywords.threads(), None, AtInterrupt::Abandon, make)?.map_err(|error| error.raise(py))
         })
     }

@@ -9,47 +9,14 @@ use rayon::prelude::*;
 use super::field::{CubeFaces, IndirectField};
 use super::gather::{GatherRays, seed_of_point, sphere_directions};
 use super::guided::GuidedRays;
-use super::transfers::Transfer;
+use super::probing::Marked;
+use super::transfers::{PendingLight, Transfer};
 use crate::direct::DirectLighting;
-use crate::mesh::{Address, AmbientCube, Clearance, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, Slot, probe};
+use crate::mesh::{AmbientCube, CornerVisibility, Costs, Marks, Points};
 use crate::{Error, RenderOptions, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
 pub(crate) const POINTS_AT_ONCE: usize = 256;
-
-/// What becomes of marked points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Marked {
-    /// Surfaces are about to read them: those that are empty are only probed, as their clearances may tell that no
-    /// surface sees them. What is seen is marked again and then gets its values. Gather rays are not shot at points
-    /// behind a wall.
-    ToRead,
-    /// All get their values.
-    Needed,
-}
-
-/// The light of the points that are being filled, before it is summed bounce by bounce.
-#[derive(Debug, Default)]
-pub(crate) struct PendingLight {
-    /// T_0, and T_1 without the reflection of T_0.
-    emission: Vec<Vec4>,
-    first: Vec<Vec4>,
-    /// By point.
-    pub(super) transfers: Vec<Vec<Transfer>>,
-}
-
-impl PendingLight {
-    /// Whether any bounce needs the one below of points that hits read.
-    pub(crate) fn reads_points(&self) -> bool {
-        self.transfers.iter().any(|transfers| !transfers.is_empty())
-    }
-
-    /// Memory, bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        let transfers: usize = self.transfers.iter().map(|transfers| size_of_val(transfers.as_slice())).sum();
-        (transfers + size_of_val(self.emission.as_slice()) + size_of_val(self.first.as_slice())) as u64
-    }
-}
 
 impl IndirectField {
     /// Probes the marked points, evaluates those that need values and all that they depend on, and clears the marks.
@@ -109,50 +76,9 @@ impl IndirectField {
         Ok(pending)
     }
 
-    /// Probes the marked points that are empty: finds out which are inside solids, and the clearance of the others. Those
-    /// that need values get their index; from `first` on they are being filled. Returns how many rays that took.
-    pub(crate) fn probe(
-        &mut self,
-        scene: &Scene,
-        marks: &mut Marks,
-        marked: Marked,
-        first: usize,
-    ) -> Result<u64, Error> {
-        let addresses = self.points.take_marked(marks, self.costs(), self.max_memory)?;
-        let points = &self.points;
-        let (empty, known): (Vec<Address>, Vec<Address>) =
-            addresses.iter().partition(|&&address| points.slot(address) == Slot::Empty);
-        // The paper's mesh knows no geometry: every point counts.
-        let (probed, rays): (Vec<Option<Clearance>>, _) = match self.faces {
-            CubeFaces::Six => {
-                let probe_point = |&address: &Address| {
-                    let spacing = points.level(address.level).lattice.spacing();
-                    probe(scene, points.position_of(address), spacing)
-                };
-                (empty.par_iter().map(probe_point).collect(), PROBE_RAYS * empty.len() as u64)
-            }
-            CubeFaces::One => (vec![Some(Clearance::ALL_FREE); empty.len()], 0),
-        };
-        for (&address, clearance) in empty.iter().zip(probed) {
-            self.points.insert_probed(address, clearance);
-        }
-
-        // Choose those that are to have values.
-        let needed = if marked == Marked::Needed || self.faces == CubeFaces::One { addresses } else { known };
-        let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        self.points.check_memory(needed.len(), 0, costs, self.max_memory)?;
-        needed.into_iter().for_each(|address| self.points.promote(address));
-        Ok(rays)
-    }
-
     /// Memory of a point, bytes, with its transfers while it is being filled.
     pub(crate) fn bytes_per_point(&self) -> u64 {
         self.costs().kept + self.transfer_bytes() + Points::BYTES_PER_POINT
-    }
-
-    /// Memory of a point's transfers while it is being filled, bytes.
-    fn transfer_bytes(&self) -> u64 {
-        if self.reflects_light() { u64::from(self.gather_rays) * size_of::<Transfer>() as u64 } else { 0 }
     }
 
     /// Memory of a point's values.

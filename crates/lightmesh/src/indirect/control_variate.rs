@@ -18,9 +18,9 @@ use std::f32::consts::PI;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::bounce::Marked;
 use super::field::{IndirectField, IndirectReading};
 use super::gather::{GatherRays, HemisphereRays};
+use super::probing::Marked;
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;

@@ -7,9 +7,12 @@ mod field;
 mod final_gather;
 mod gather;
 mod guided;
+mod probing;
 mod transfers;
 
-pub(crate) use bounce::{Marked, POINTS_AT_ONCE, PendingLight};
+pub(crate) use bounce::POINTS_AT_ONCE;
 pub(crate) use control_variate::{GatherPaths, GoOn};
 pub(crate) use field::{IndirectField, IndirectReading};
 pub(crate) use gather::{GatherRays, sphere_directions};
+pub(crate) use probing::Marked;
+pub(crate) use transfers::PendingLight;

@@ -1,12 +1,12 @@
 //! Transfers: how light goes from the ends of a point's gather rays to the point, by way of the mesh points that are read
 //! there.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::bounce::{Marked, PendingLight};
 use super::field::IndirectField;
 use super::gather::GatherRays;
+use super::probing::Marked;
 use crate::mesh::{CornerVisibility, Marks, ReadResult, Slot, choose};
 use crate::sampling::seed_of_position;
 use crate::{Error, Scene};
@@ -40,7 +40,35 @@ struct TransferList {
     visibility_rays: u64,
 }
 
+/// The light of the points that are being filled, before it is summed bounce by bounce.
+#[derive(Debug, Default)]
+pub(crate) struct PendingLight {
+    /// T_0, and T_1 without the reflection of T_0.
+    pub(super) emission: Vec<Vec4>,
+    pub(super) first: Vec<Vec4>,
+    /// By point.
+    pub(super) transfers: Vec<Vec<Transfer>>,
+}
+
+impl PendingLight {
+    /// Whether any bounce needs the one below of points that hits read.
+    pub(crate) fn reads_points(&self) -> bool {
+        self.transfers.iter().any(|transfers| !transfers.is_empty())
+    }
+
+    /// Memory, bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        let transfers: usize = self.transfers.iter().map(|transfers| size_of_val(transfers.as_slice())).sum();
+        (transfers + size_of_val(self.emission.as_slice()) + size_of_val(self.first.as_slice())) as u64
+    }
+}
+
 impl IndirectField {
+    /// Memory of a point's transfers while it is being filled, bytes.
+    pub(super) fn transfer_bytes(&self) -> u64 {
+        if self.reflects_light() { u64::from(self.gather_rays) * size_of::<Transfer>() as u64 } else { 0 }
+    }
+
     /// Finds the points that the hits read; those that are missing join the mesh. Returns how many rays that took.
     pub(crate) fn find_transfers(
         &mut self,

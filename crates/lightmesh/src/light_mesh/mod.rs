@@ -77,9 +77,7 @@ impl LightMesh {
         let levels = |option, asked: Spacing, resolved: Spacing| {
             let (bounds, reach) = (scene.bounds(), interpolator.reach());
             match focus.filter(|_| asked == Spacing::Auto) {
-                Some(focus) => {
-                    Levels::around(option, focus, &bounds, resolved.metres(focus.scale), reach, finer)
-                }
+                Some(focus) => Levels::around(option, focus, &bounds, resolved.metres(focus.scale), reach, finer),
                 // A scene may be a single point of a user's shape: any spacing will do.
                 None => {
                     let longest = bounds.size().max_element().max(1e-20);

@@ -8,7 +8,9 @@ use super::Expected;
 /// Distance between neighbouring mesh points. Spelled as metres, `1/K` or `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// The longest edge of the scene's box / 64, for the indirect mesh / 30, with a bound on the error / 45.
+    /// A part of a length: / 64, for the indirect mesh / 30, with a bound on the error / 45. The length is the longest edge
+    /// of the room that a picture shows ([`LightMesh::for_cameras`](crate::LightMesh::for_cameras)), or of the scene's box
+    /// in a mesh for all of it ([`LightMesh::new`](crate::LightMesh::new)).
     #[default]
     Auto,
     /// The longest edge of the scene's box divided by this; > 0.
@@ -29,7 +31,7 @@ impl Spacing {
 
     pub(super) const EXPECTED: &'static str = "metres above 0, 1/K of the scene's longest edge, or auto";
 
-    /// Returns the distance in metres in a scene whose longest edge is `longest`; [`Self::Auto`] must have been
+    /// Returns the distance in metres where the length that it is a part of is `longest`; [`Self::Auto`] must have been
     /// resolved.
     pub(crate) fn metres(self, longest: f32) -> f32 {
         match self {
