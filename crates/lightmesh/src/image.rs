@@ -1,6 +1,6 @@
 //! The finished picture, and statistics of its rendering.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 /// A linear picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,15 +23,14 @@ impl Image {
 }
 
 /// What a picture for a display needs beside the light: which part of a pixel has a colour that no exposure changes, and
-/// which part says nothing about the exposure.
+/// how bright it is where the camera stands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DisplayData {
     /// By pixel, the colour that unlit surfaces show there, linear, times the part of the pixel that they cover, and
     /// this part. The colour is a part of the pixel's light, 1 as 1 cd/m². Empty where no surface is unlit.
     pub unlit: Vec<Vec4>,
-    /// By pixel, the part of it that is background, lamps or unlit, and the luminance that it adds, cd/m². Empty: none.
-    pub unmetered: Vec<Vec2>,
-    /// Luminance of a white surface in the light that was added to the scene, cd/m²; `None` where none was.
+    /// Luminance of a white surface in the light about the camera, cd/m², a mean over what is seen from there; `None` where
+    /// that is not known.
     pub white_cd_m2: Option<f32>,
 }
 

@@ -177,7 +177,7 @@ fn what_stands_in_the_studio_casts_a_shadow() {
     assert_eq!(below, beyond);
 }
 
-/// Unlit surfaces and what is not lit are known to the display, for every method alike.
+/// Unlit surfaces are known to the display, for every method alike.
 #[test]
 fn displays_know_what_is_unlit() {
     let (mut data, camera) = product();
@@ -194,6 +194,5 @@ fn displays_know_what_is_unlit() {
         let middle = 8 * 24 + 12;
         let unlit = image.display.unlit[middle] - glam::Vec4::new(1.0, 0.5, 0.1, 1.0);
         assert!(unlit.abs().max_element() < 1e-6, "{method:?} {unlit}");
-        assert!(image.display.unmetered.iter().all(|u| (u.x - 1.0).abs() < 1e-6), "{method:?}");
     }
 }

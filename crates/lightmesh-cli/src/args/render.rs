@@ -27,7 +27,7 @@ pub(crate) struct RenderArgs {
     /// Picture to write: .png (exposed, tone mapped, sRGB, dithered) or .exr (linear cd/m²); may be given several times
     #[arg(short, long = "output", value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: what is lit comes to 18% grey with highlights kept; unlit surfaces keep their colour
+    /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: by the light about the camera; unlit surfaces keep their colour
     #[arg(long, value_name = "EV|auto", default_value = "auto", value_parser = exposure::parse, allow_hyphen_values = true, help_heading = "Output")]
     pub(crate) exposure: Exposure,
     /// Write 16-bit instead of 32-bit floats to EXR files

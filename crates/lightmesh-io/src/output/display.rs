@@ -31,7 +31,7 @@ pub(super) fn color(image: &Image, pixel: usize, ev: f32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec4};
+    use glam::Vec4;
     use lightmesh::DisplayData;
 
     use super::*;
@@ -41,11 +41,8 @@ mod tests {
     fn unlit_colours_stand_outside_the_exposure() {
         let (paint, light) = (Vec3::new(1.0, 0.5, 0.1), Vec3::splat(300.0));
         let mut image = Image::new(3, 1, vec![paint, 0.5 * (paint + light), light]);
-        image.display = DisplayData {
-            unlit: vec![paint.extend(1.0), (0.5 * paint).extend(0.5), Vec4::ZERO],
-            unmetered: vec![Vec2::ZERO; 3],
-            white_cd_m2: None,
-        };
+        image.display =
+            DisplayData { unlit: vec![paint.extend(1.0), (0.5 * paint).extend(0.5), Vec4::ZERO], white_cd_m2: None };
         for ev in [-12.0, -8.0, 0.0, 9.0] {
             let [whole, half, none] = [0, 1, 2].map(|i| color(&image, i, ev));
             assert_eq!(whole, paint);

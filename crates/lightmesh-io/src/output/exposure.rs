@@ -1,7 +1,7 @@
 //! Automatic exposure.
 
 use glam::Vec3;
-use lightmesh::{DisplayData, Image};
+use lightmesh::Image;
 
 /// The grey on which the logarithmic mean of a picture is put, display-linear: the photographic 18%.
 const KEY: f64 = 0.18;
@@ -18,21 +18,15 @@ const SAMPLES: usize = 1 << 18;
 /// Stops from the median at which a pixel counts no more than that: a few black corners or bright spots do not move the
 /// mean.
 const FAR: f64 = 5.0;
-/// The least part of a picture that decides about its exposure; where lit surfaces are less, all of it does.
-const LEAST_LIT: f64 = 0.002;
+/// Display-linear value of a white surface in the light about the camera. Empirical: rooms by lamps are as bright as by
+/// the mean of their pictures.
+const WHITE: f64 = 0.42;
+/// Stops between the exposure of the light and that of the picture up to which the light decides alone, and the part of
+/// the rest by which the picture changes it: a dark model stays dark, and a view into another room can be seen.
+const KEEP: f64 = 0.5;
+const FOLLOW: f64 = 0.2;
 /// A pixel of which less is lit says nothing.
 const LEAST_PART: f32 = 0.02;
-/// Display-linear value of a white surface in the studio that is added to scenes without light.
-const WHITE: f64 = 0.85;
-/// Stops between the exposure that shows such a white and the one of the picture's mean up to which the white counts
-/// alone, and from which on the mean does: a model keeps its colours, but a room that only a window lights is not dark.
-const KEEP: f64 = 2.0;
-const FOLLOW: f64 = 4.5;
-
-/// The part of the picture that shows no lit surface up to which the mean may count, and from which on it does not: a
-/// black model stands before the background, a room has windows. Empirical, as the stops.
-const WINDOWS: f64 = 0.3;
-const BACKGROUND: f64 = 0.6;
 
 /// A luminance, cd/m², and how much it counts.
 type Metered = (f32, f32);
@@ -49,40 +43,31 @@ pub fn auto_exposure(pixels: &[Vec3]) -> f32 {
     rounded(of_metered(pixels.iter().step_by(stride).map(|p| (luminance(*p), 1.0)).collect()))
 }
 
-/// [`auto_exposure`] of what is lit in a picture: the background, lamps and unlit surfaces do not count, so that a
-/// camera which turns towards a window or a lamp changes little. Where the renderer has added the light of a studio, a
-/// white surface in it is shown as white as long as the mean is not far from that.
+/// The exposure of a picture whose light is known ([`DisplayData::white_cd_m2`](lightmesh::DisplayData::white_cd_m2)):
+/// a white surface in it comes to 0.42, whatever colours are in view, so that neighbouring views have nearly the same
+/// one. Where the picture itself would have another one by more than half a stop ([`auto_exposure`] without its unlit
+/// surfaces), the exposure goes a fifth of the way beyond that. [`auto_exposure`] where the light is not known.
 pub fn exposure_of(image: &Image) -> f32 {
-    let DisplayData { unmetered, white_cd_m2, .. } = &image.display;
-    if unmetered.len() != image.pixels.len() {
-        return auto_exposure(&image.pixels);
-    }
+    let unlit = &image.display.unlit;
     let stride = image.pixels.len().div_ceil(SAMPLES).max(1);
-    let parts = image.pixels.iter().zip(unmetered).step_by(stride).filter_map(|(p, left_out)| {
-        let part = 1.0 - left_out.x;
-        (part > LEAST_PART).then(|| ((luminance(*p) - left_out.y) / part, part))
+    let lit = image.pixels.iter().enumerate().step_by(stride).filter_map(|(i, p)| match unlit.get(i) {
+        Some(unlit) => {
+            let part = 1.0 - unlit.w;
+            (part > LEAST_PART).then(|| (luminance(*p - unlit.truncate()) / part, part))
+        }
+        None => Some((luminance(*p), 1.0)),
     });
-    let metered: Vec<Metered> = parts.filter(|(l, _)| *l > 0.0 && l.is_finite()).collect();
-    let lit: f64 = metered.iter().map(|&(_, part)| f64::from(part)).sum();
-    if lit * (stride as f64) < LEAST_LIT * image.pixels.len() as f64 {
-        return auto_exposure(&image.pixels);
-    }
-    let ev = of_metered(metered);
-    rounded(match white_cd_m2.filter(|white| *white > 0.0) {
-        None => ev,
+    let metered: Vec<Metered> = lit.filter(|(l, _)| *l > 0.0 && l.is_finite()).collect();
+    let is_black = metered.is_empty();
+    let of_picture = of_metered(metered);
+    rounded(match image.display.white_cd_m2.filter(|white| *white > 0.0) {
+        None => of_picture,
         Some(white) => {
-            let anchor = libm::log2(WHITE / f64::from(white));
-            let away = ev - anchor;
-            let others = 1.0 - lit * stride as f64 / image.pixels.len() as f64;
-            anchor + away * smooth_step(away.abs(), KEEP, FOLLOW) * (1.0 - smooth_step(others, WINDOWS, BACKGROUND))
+            let of_light = libm::log2(WHITE / f64::from(white));
+            let away = if is_black { 0.0 } else { of_picture - of_light };
+            of_light + ((away.abs() - KEEP).max(0.0) * FOLLOW).copysign(away)
         }
     })
-}
-
-/// From 0 at `from` to 1 at `to`.
-fn smooth_step(x: f64, from: f64, to: f64) -> f64 {
-    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 fn luminance(c: Vec3) -> f32 {
@@ -168,20 +153,18 @@ mod tests {
         assert!((auto_exposure(&picture) - (2.0_f32 / 2000.0).log2()).abs() < 0.01);
     }
 
-    /// The same lit surface, with more and more of a bright background, a lamp and unlit paint beside and behind it.
+    /// A lit surface with more and more unlit paint beside it and on its edges.
     #[test]
-    fn what_is_not_lit_does_not_count() {
+    fn unlit_paint_does_not_count() {
         let lit: Vec<f32> = (0..400).map(|i| 1.0 + 0.01 * i as f32).collect();
         let picture = |others: usize, edge: f32| {
             let mut image = Image::new(1, 1, Vec::new());
             for &l in &lit {
-                image.pixels.push(Vec3::splat(l * (1.0 - edge) + 500.0 * edge));
-                image.display.unmetered.push(glam::Vec2::new(edge, 500.0 * edge));
+                image.pixels.push(Vec3::splat(l * (1.0 - edge) + edge));
+                image.display.unlit.push(Vec3::splat(edge).extend(edge));
             }
-            for i in 0..others {
-                image.pixels.push(Vec3::splat(7.0 * i as f32));
-                image.display.unmetered.push(glam::Vec2::new(1.0, 7.0 * i as f32));
-            }
+            image.pixels.extend(vec![Vec3::ONE; others]);
+            image.display.unlit.extend(vec![glam::Vec4::ONE; others]);
             exposure_of(&image)
         };
         let alone = picture(0, 0.0);
@@ -191,28 +174,25 @@ mod tests {
         }
     }
 
-    /// In the studio a white, a grey and a black model have one exposure; a room 100 times darker has another one.
+    /// Where the light is known a white, a grey and a black model have one exposure, and a room that is far darker than
+    /// its light has a little more.
     #[test]
-    fn white_stays_white_in_the_studio() {
+    fn the_light_decides_before_the_picture() {
         let of = |luminance: f32| {
             let mut image = Image::new(10, 10, vec![Vec3::splat(luminance); 100]);
-            image.display.unmetered = vec![glam::Vec2::ZERO; 100];
             image.display.white_cd_m2 = Some(100.0);
             exposure_of(&image)
         };
-        let anchor = (0.85_f32 / 100.0).log2();
-        for luminance in [60.0, 20.0, 6.0] {
-            assert!((of(luminance) - anchor).abs() < 0.006, "{luminance}");
+        let of_light = (0.42_f32 / 100.0).log2();
+        for luminance in [60.0, 40.0, 31.0] {
+            assert!((of(luminance) - of_light).abs() < 0.006, "{luminance}");
         }
-        assert!((of(0.5) - (0.18_f32 / 0.5).log2()).abs() < 0.01);
-        // Black before a background of two thirds.
-        let mut image = Image::new(10, 30, [vec![Vec3::splat(0.5); 100], vec![Vec3::splat(25.0); 200]].concat());
-        image.display.unmetered = [vec![glam::Vec2::ZERO; 100], vec![glam::Vec2::new(1.0, 25.0); 200]].concat();
-        image.display.white_cd_m2 = Some(100.0);
-        assert!((exposure_of(&image) - anchor).abs() < 0.006);
+        let of_picture = (0.18_f32 / 0.5).log2();
+        assert!((of(0.5) - (of_light + 0.2 * (of_picture - of_light - 0.5))).abs() < 0.01);
+        assert!((of(0.0) - of_light).abs() < 0.006);
         // A little darker, a little more: never a jump.
         let steps: Vec<f32> = (0..60).map(|i| of(60.0 * 0.9_f32.powi(i))).collect();
-        assert!(steps.windows(2).all(|w| w[1] >= w[0] && w[1] - w[0] < 0.5), "{steps:?}");
+        assert!(steps.windows(2).all(|w| w[1] >= w[0] && w[1] - w[0] < 0.1), "{steps:?}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::light_around::white_around;
 use crate::film::{Film, RenderClock};
 use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path};
 use crate::mesh::Points;
@@ -36,15 +37,13 @@ pub fn render(
     // Check options and memory.
     options.validate()?;
     let viewer = progress.viewer();
-    match viewer {
-        Some(_) => options.check_viewed_picture_memory()?,
-        None => options.check_picture_memory()?,
-    }
+    options.check_film_memory(viewer.is_some(), scene.has_unlit())?;
 
     // Draw by the method.
     let started = Instant::now();
     let mut clock = RenderClock::new(progress, viewer, started, options.picture.time_limit);
     let mut film = new_film(scene, camera, options);
+    film.set_white(white_around(scene, camera)?);
     let mut stats = match options.method {
         Method::Path => render_path(scene, &mut film, options, &mut clock)?,
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut clock)?,
@@ -90,7 +89,6 @@ fn render_waves(
 /// Makes the empty film of a picture.
 pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
     let mut film = Film::new(scene, camera, options);
-    film.set_white(scene.white_cd_m2());
     if !scene.averages_textures() {
         film.drop_cones();
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use super::waves::{WaveMethod, draw_waves, plan_waves};
-use crate::api::new_film;
+use crate::api::{new_film, white_around};
 use crate::direct::LightingPlan;
 use crate::film::{Film, RenderClock};
 use crate::integrator::Lighting;
@@ -82,7 +82,7 @@ pub struct PartialImage {
 impl WaveRequest<'_> {
     /// Makes an empty film whose pass are these waves.
     pub(super) fn film(&self, scene: &Scene, camera: &Camera, options: &RenderOptions) -> Result<Film, Error> {
-        check(options)?;
+        check(scene, options)?;
         let mut film = new_film(scene, camera, options);
         match self.samples {
             PictureSamples::All if scene.has_visible_emitters() && options.method != Method::Path => {
@@ -125,7 +125,7 @@ pub fn prepare(
     mesh: &mut LightMesh,
     progress: &dyn Progress,
 ) -> Result<Prepared, Error> {
-    check(options)?;
+    check(scene, options)?;
     let film = new_film(scene, camera, options);
     let mut clock = RenderClock::new(progress, None, Instant::now(), None);
     let (plan, stats) = match lighting(options, mesh)? {
@@ -181,7 +181,7 @@ pub fn find_emitter_edges(
     options: &RenderOptions,
     parts: &[PartialImage],
 ) -> Result<Option<EmitterEdges>, Error> {
-    check(options)?;
+    check(scene, options)?;
     let mut film = new_film(scene, camera, options);
     let sorted = in_order(&film, parts)?;
     if sorted.iter().all(|part| part.emitter_seen.is_empty()) {
@@ -214,7 +214,7 @@ pub fn merge_images(
     parts: &[PartialImage],
     edges: Option<(&EmitterEdges, &[PartialImage])>,
 ) -> Result<Frame, Error> {
-    check(options)?;
+    check(scene, options)?;
     let mut film = new_film(scene, camera, options);
     let mut stats = RenderStats { spp: options.picture.spp, ..RenderStats::default() };
     merge_pass(&mut film, parts, &mut stats)?;
@@ -222,6 +222,7 @@ pub fn merge_images(
         turn_to(&mut film, edges)?;
         merge_pass(&mut film, parts, &mut stats)?;
     }
+    film.set_white(white_around(scene, camera)?);
     let (image, mut layers) = film.into_image();
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     Ok(Frame { image, layers, stats })
@@ -271,9 +272,9 @@ fn turn_to(film: &mut Film, edges: &EmitterEdges) -> Result<(), Error> {
 }
 
 /// Refuses options that need the whole picture at once.
-fn check(options: &RenderOptions) -> Result<(), Error> {
+fn check(scene: &Scene, options: &RenderOptions) -> Result<(), Error> {
     options.validate()?;
-    options.check_picture_memory()?;
+    options.check_film_memory(false, scene.has_unlit())?;
     if options.picture.time_limit.is_some() {
         let what = "portions have no common clock; choose --spp or --error";
         return Err(Error::InvalidOption { option: "time-limit", what: what.into() });

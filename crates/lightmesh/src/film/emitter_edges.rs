@@ -56,7 +56,7 @@ impl Film {
         }
         let before = edges.iter().map(|&pixel| std::mem::take(&mut self.sums[pixel as usize])).collect();
         self.layers.clear(&edges);
-        self.display.scale(edges.iter().copied(), 0.0);
+        self.unlit.scale(edges.iter().copied(), 0.0);
         self.offsets = film_samples(samples);
         self.cells = cells_of_pixel(samples as usize);
         self.emitter_edges = Some(EmitterEdges { spp: spp as u32, before });

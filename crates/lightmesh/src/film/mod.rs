@@ -15,8 +15,8 @@ use std::ops::Range;
 
 pub(crate) use clock::RenderClock;
 use coarse_preview::CoarsePreview;
-use display::DisplaySums;
-pub(crate) use display::{Shown, ShownSample};
+pub(crate) use display::UnlitSample;
+use display::UnlitSums;
 use emitter_edges::EmitterEdges;
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
@@ -46,8 +46,10 @@ pub(crate) struct Film {
     sums: Vec<Vec3>,
     aovs: Aovs,
     layers: Layers,
-    display: DisplaySums,
-    /// Luminance of a white surface in the studio, cd/m².
+    /// Whether the scene has unlit surfaces.
+    has_unlit: bool,
+    unlit: UnlitSums,
+    /// See [`DisplayData::white_cd_m2`](crate::DisplayData::white_cd_m2).
     white_cd_m2: Option<f32>,
     /// Whether the samples of each pixel saw an emitter, and something else; empty where emitter edges are not
     /// supersampled.
@@ -73,7 +75,10 @@ impl Film {
     /// An empty film on which all samples of all pixels are one pass.
     pub(crate) fn new(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Self {
         let PictureOptions { width, height, .. } = options.picture;
-        Self::of_rays(camera.film_in(scene.data().origin, &scene.bounds(), width, height), options)
+        let mut film = Self::of_rays(camera.film_in(scene.data().origin, &scene.bounds(), width, height), options);
+        film.has_unlit = scene.has_unlit();
+        film.unlit = film.no_unlit();
+        film
     }
 
     /// [`Film::new`] with the camera's rays.
@@ -90,7 +95,8 @@ impl Film {
             sums: vec![Vec3::ZERO; order.len()],
             aovs: options.picture.aovs,
             layers: Layers::new(options.picture.aovs, order.len()),
-            display: DisplaySums::new(order.len()),
+            has_unlit: false,
+            unlit: UnlitSums::default(),
             white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
@@ -103,7 +109,7 @@ impl Film {
         self.cones = false;
     }
 
-    /// Says how bright a white surface is in the light that was added to the scene, cd/m².
+    /// Says how bright a white surface is in the light about the camera, cd/m².
     pub(crate) fn set_white(&mut self, white_cd_m2: Option<f32>) {
         self.white_cd_m2 = white_cd_m2;
     }
@@ -119,7 +125,7 @@ impl Film {
         let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
         self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
         self.layers = Layers::default();
-        self.display = DisplaySums::default();
+        self.unlit = UnlitSums::default();
     }
 
     /// Keeps the coarse preview, to be shown where pixels have no samples, and empties the film.
@@ -127,7 +133,7 @@ impl Film {
         self.coarse_preview =
             Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
         self.layers = Layers::new(self.aovs, self.order.len());
-        self.display = DisplaySums::new(self.order.len());
+        self.unlit = self.no_unlit();
         self.begin_pass(0..self.offsets.len() as u32);
     }
 
@@ -144,12 +150,18 @@ impl Film {
             sums: vec![Vec3::ZERO; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
-            display: DisplaySums::default(),
+            has_unlit: self.has_unlit,
+            unlit: UnlitSums::default(),
             white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
             emitter_edges: None,
         }
+    }
+
+    /// Empty sums of unlit colours.
+    fn no_unlit(&self) -> UnlitSums {
+        UnlitSums::new(if self.has_unlit { self.order.len() } else { 0 })
     }
 
     /// The sums of some pixels.
@@ -266,9 +278,9 @@ impl Film {
         self.sums[pixel as usize] += radiance;
     }
 
-    /// Notes that a part of a sample, whose radiance is added by itself, is no lit surface.
-    pub(crate) fn note_shown(&mut self, sample: ShownSample) {
-        self.display.add(sample);
+    /// Notes that a part of a sample, whose radiance is added by itself, shows an unlit surface.
+    pub(crate) fn add_unlit(&mut self, sample: UnlitSample) {
+        self.unlit.add(sample);
     }
 
     /// Adds a surface that a sample met first and that covers the part `weight` of it.

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Film;
 use super::emitter_edges::EmitterEdges;
-use crate::{Image, Layer};
+use crate::{DisplayData, Image, Layer};
 
 impl Film {
     /// Returns the picture so far: the mean over the samples that each pixel has; where it has none, the coarse
@@ -33,7 +33,8 @@ impl Film {
                 pixels
             }
         };
-        let display = self.display.so_far(|pixel| scales[pixel as usize], self.white_cd_m2);
+        let unlit = self.unlit.so_far(|pixel| scales[pixel as usize]);
+        let display = DisplayData { unlit, white_cd_m2: self.white_cd_m2 };
         Some(Image { width: self.order.width, height: self.order.height, pixels, display })
     }
 
@@ -60,14 +61,14 @@ impl Film {
 
     /// Returns the mean over each pixel's samples, and the layers.
     pub(crate) fn into_image(self) -> (Image, Vec<Layer>) {
-        let Self { order, pass, emitter_edges, sums: mut pixels, mut layers, mut display, white_cd_m2, .. } = self;
+        let Self { order, pass, emitter_edges, sums: mut pixels, mut layers, mut unlit, white_cd_m2, .. } = self;
         let all = pixels.len() as u64;
         if let (Some(list), Some(edges)) = (&pass.pixels, &emitter_edges) {
             // All pixels are divided by `spp` below: scale those that have another number of samples.
             let factor = edges.spp as f32 / pass.indices.end as f32;
             list.iter().for_each(|&pixel| pixels[pixel as usize] *= factor);
             layers.scale(list.iter().copied(), factor);
-            display.scale(list.iter().copied(), factor);
+            unlit.scale(list.iter().copied(), factor);
         }
         let whole = emitter_edges.map(|edges| edges.spp).or((pass.left(all) == 0).then_some(pass.indices.end));
         match whole {
@@ -75,7 +76,7 @@ impl Film {
                 let scale = 1.0 / samples as f32;
                 pixels.iter_mut().for_each(|pixel| *pixel *= scale);
                 layers.scale(0..all as u32, scale);
-                display.scale(0..all as u32, scale);
+                unlit.scale(0..all as u32, scale);
             }
             // The time was up in the middle of a pass: some pixels have more samples than others.
             None => {
@@ -83,11 +84,11 @@ impl Film {
                     let scale = 1.0 / samples as f32;
                     order.pixels(numbers.clone()).for_each(|pixel| pixels[pixel as usize] *= scale);
                     layers.scale(order.pixels(numbers.clone()), scale);
-                    display.scale(order.pixels(numbers), scale);
+                    unlit.scale(order.pixels(numbers), scale);
                 }
             }
         }
-        let display = display.finish(white_cd_m2);
+        let display = DisplayData { unlit: unlit.finish(), white_cd_m2 };
         (Image { width: order.width, height: order.height, pixels, display }, layers.finish())
     }
 }

@@ -28,9 +28,9 @@ impl Film {
         }
     }
 
-    /// How many values a pixel has: three of light and those of the layers and of displays.
+    /// How many values a pixel has: three of light and those of the layers and of unlit surfaces.
     pub(crate) fn channels(&self) -> usize {
-        3 + self.layers.channels() + self.display.channels()
+        3 + self.layers.channels() + self.unlit.channels()
     }
 
     /// Returns the sums of some pixels, [`Film::channels`] of each.
@@ -39,7 +39,7 @@ impl Film {
         for &pixel in pixels {
             values.extend_from_slice(self.sums[pixel as usize].as_ref());
             self.layers.copy_to(pixel, &mut values);
-            self.display.copy_to(pixel, &mut values);
+            self.unlit.copy_to(pixel, &mut values);
         }
         values
     }
@@ -48,9 +48,9 @@ impl Film {
     pub(crate) fn set_pixels(&mut self, pixels: &[u32], values: &[f32]) {
         for (&pixel, values) in pixels.iter().zip(values.chunks_exact(self.channels())) {
             self.sums[pixel as usize] = glam::Vec3::from_slice(values);
-            let (layers, display) = values[3..].split_at(self.layers.channels());
+            let (layers, unlit) = values[3..].split_at(self.layers.channels());
             self.layers.copy_from(pixel, layers);
-            self.display.copy_from(pixel, display);
+            self.unlit.copy_from(pixel, unlit);
         }
     }
 

@@ -27,13 +27,13 @@ struct Lobe {
 }
 
 /// The key light: 50° up, 40° to the left of the camera. Its standard deviation is 1/√20 = 13°.
-const KEY: Lobe = Lobe { towards: Vec3::new(0.49, 0.77, 0.41), peak: 7.0, sharpness: 20.0 };
+const KEY: Lobe = Lobe { towards: Vec3::new(0.49, 0.77, 0.41), peak: 7.6, sharpness: 20.0 };
 /// The light from behind: 35° up, on the other side.
 const RIM: Lobe = Lobe { towards: Vec3::new(-0.63, 0.57, -0.53), peak: 1.0, sharpness: 8.0 };
 /// The light all round: straight up, at the horizon and straight down.
-const FILL: [f32; 3] = [0.40, 0.28, 0.16];
+const FILL: [f32; 3] = [0.32, 0.23, 0.14];
 /// The background straight up, at the horizon and straight down.
-const BACKGROUND: [f32; 3] = [0.10, 0.22, 0.25];
+const BACKGROUND: [f32; 3] = [0.11, 0.15, 0.36];
 
 /// Columns and rows of the map: 5.6°, fine enough for the key light.
 const SIZE: (u32, u32) = (64, 32);

@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::studio;
 use crate::api::measure;
-use crate::geometry::{Cone, Ray};
-use crate::interaction::{Lobe, PathRay, evaluate, is_back_face};
+use crate::geometry::Ray;
+use crate::interaction::{SeenPlace, is_back_face};
 use crate::light::emitters::luminance;
 use crate::sampling::{Sampler, basis, sample_cosine_hemisphere};
 use crate::{Camera, Error, LightMesh, Meter, Method, RenderOptions, Scene};
@@ -43,8 +43,6 @@ pub struct Survey {
 
 /// Camera rays.
 const RAYS: u32 = 400;
-/// Mirrors, panes and partly transparent surfaces that a ray follows to what is seen.
-const EVENTS: u32 = 12;
 /// Paths from each visible point to the sky, and their diffuse bounces.
 const PATHS: u32 = 4;
 const BOUNCES: u32 = 4;
@@ -65,13 +63,6 @@ const DARK_BY_EMISSION: f32 = 1e-3;
 /// Visible points measured at a time, and lights above which one batch is all.
 const BATCH: usize = 16;
 const MANY_LIGHTS: usize = 4096;
-
-/// A place that the camera sees, on the side that it sees, and how much of its light gets to the camera.
-struct Place {
-    point: Vec3,
-    n: Vec3,
-    albedo: f32,
-}
 
 impl Survey {
     /// Looks at `scene` through `camera`.
@@ -94,7 +85,7 @@ impl Survey {
             let Some(hit) = scene.bvh().closest(&ray) else { continue };
             (hits, backs) = (hits + 1, backs + u32::from(is_back_face(scene, &ray, &hit)));
             distances.push(hit.t * ray.direction.length());
-            places.extend(follow(scene, ray, &mut sampler));
+            places.extend(SeenPlace::along(scene, ray, &mut sampler));
         }
         distances.sort_unstable_by(f32::total_cmp);
 
@@ -122,32 +113,6 @@ impl Survey {
     }
 }
 
-/// Follows a ray through panes, mirrors and partly transparent surfaces to the first diffuse surface that does not
-/// shine itself.
-fn follow(scene: &Scene, ray: Ray, sampler: &mut Sampler) -> Option<Place> {
-    let mut path = PathRay::new(ray, Cone::POINT);
-    for _ in 0..EVENTS {
-        let hit = scene.bvh().closest(&path.ray)?;
-        let surface = evaluate(scene, &path.ray, &hit);
-        if surface.lets_through(|| sampler.choice()) {
-            path = path.pass_through(&hit)?;
-            continue;
-        }
-        // Its own light says nothing of other light on it.
-        if surface.emission.max_element() > 0.0 {
-            return None;
-        }
-        match surface.lobes().sample(sampler.choice())?.lobe {
-            Lobe::Diffuse => {
-                let point = surface.spawn_ray(surface.n).origin;
-                return Some(Place { point, n: surface.n, albedo: luminance(surface.diffuse) });
-            }
-            Lobe::Specular(lobe) => path = path.spawn(&hit, &surface, lobe),
-        }
-    }
-    None
-}
-
 /// Whether there is any light that is not black.
 fn has_own_light(scene: &Scene) -> bool {
     let data = scene.data();
@@ -162,7 +127,7 @@ fn has_lamps(scene: &Scene) -> bool {
 
 /// Whether enough of what is seen is lit. Random batches are measured until that is certain, so that lit scenes, and
 /// with many lights all scenes, take little time.
-fn is_lit(scene: &Scene, places: &[Place]) -> Result<bool, Error> {
+fn is_lit(scene: &Scene, places: &[SeenPlace]) -> Result<bool, Error> {
     let (part, dark) =
         if has_lamps(scene) { (LIT_BY_LAMPS, DARK_BY_LAMPS) } else { (LIT_BY_EMISSION, DARK_BY_EMISSION) };
     // One sample of all light at each place.
@@ -197,7 +162,7 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// Whether paths from what is seen reach the sky.
-fn is_open(scene: &Scene, places: &[Place]) -> bool {
+fn is_open(scene: &Scene, places: &[SeenPlace]) -> bool {
     let mut reached = 0.0;
     let enough = OPEN * (places.len() as u32 * PATHS) as f32;
     for (i, place) in places.iter().enumerate() {
@@ -212,7 +177,7 @@ fn is_open(scene: &Scene, places: &[Place]) -> bool {
                     reached += weight;
                     break;
                 }
-                let Some(next) = follow(scene, ray, &mut sampler) else { break };
+                let Some(next) = SeenPlace::along(scene, ray, &mut sampler) else { break };
                 (point, n, weight) = (next.point, next.n, weight * next.albedo);
             }
             if reached > enough {

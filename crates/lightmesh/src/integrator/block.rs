@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::first_hits::FirstHits;
 use super::point_block::PointBlock;
 use crate::bvh::Hit;
-use crate::film::{Film, Sample, Shown, ShownSample};
+use crate::film::{Film, Sample, UnlitSample};
 use crate::geometry::Ray;
 use crate::interaction::{PathRay, ShadedHit, SpecularLobe, evaluate_footprint};
 use crate::{Aov, RenderOptions, Scene};
@@ -32,11 +32,6 @@ impl WaveRay {
     fn coverage(beta: Vec3) -> f32 {
         beta.x
     }
-
-    /// Notes what a part of its sample shows, `beta` the throughput from there.
-    fn shown(&self, shown: Shown, beta: Vec3, radiance: Vec3) -> ShownSample {
-        ShownSample { pixel: self.pixel, shown, radiance, part: beta.max_element().min(1.0) }
-    }
 }
 
 /// Up to [`BLOCK`] rays, what they hit, and the rays that go on; buffers are kept from wave to wave.
@@ -49,8 +44,8 @@ pub(super) struct RayBlock {
     pub(super) points: PointBlock,
     /// Radiance that needs no lighting, by pixel: emission and sky.
     emitted: Vec<(u32, Vec3)>,
-    /// Which of it is no lit surface.
-    shown: Vec<ShownSample>,
+    /// Which of it is the colour of unlit surfaces.
+    unlit: Vec<UnlitSample>,
     /// Whether each camera ray met an emitter, by pixel; empty in scenes without.
     emitter_seen: Vec<(u32, bool)>,
     /// What camera rays met first; empty where the picture has no layers.
@@ -85,9 +80,7 @@ impl RayBlock {
         for &(pixel, radiance) in &self.emitted {
             film.add(pixel, radiance);
         }
-        for &sample in &self.shown {
-            film.note_shown(sample);
-        }
+        self.unlit.iter().for_each(|&sample| film.add_unlit(sample));
         let PointBlock { batch, indirect, .. } = &self.points;
         for (point, &irradiance) in batch.vertices.iter().zip(&batch.direct) {
             film.add(point.id, point.weight * irradiance);
@@ -126,7 +119,7 @@ impl RayBlock {
 
         self.points.clear();
         self.emitted.clear();
-        self.shown.clear();
+        self.unlit.clear();
         self.next.clear();
         self.emitter_seen.clear();
         self.first_hits.clear();
@@ -143,13 +136,8 @@ impl RayBlock {
                 if first {
                     self.emitter_seen.push((from.pixel, sky != Vec3::ZERO));
                 }
-                let radiance = from.beta * sky;
                 if sky != Vec3::ZERO {
-                    self.emitted.push((from.pixel, radiance));
-                }
-                // What a mirror shows is a part of its surface.
-                if !from.mirrored {
-                    self.shown.push(from.shown(Shown::Unmetered, from.beta, radiance));
+                    self.emitted.push((from.pixel, from.beta * sky));
                 }
                 continue;
             };
@@ -164,8 +152,9 @@ impl RayBlock {
             if surface.emission != Vec3::ZERO {
                 let radiance = beta * surface.emission;
                 self.emitted.push((from.pixel, radiance));
-                let shown = if surface.is_unlit() { Shown::Unlit } else { Shown::Unmetered };
-                self.shown.push(from.shown(shown, beta, radiance));
+                if surface.is_unlit() {
+                    self.unlit.push(UnlitSample { pixel: from.pixel, radiance, part: beta.max_element().min(1.0) });
+                }
             }
 
             // Let diffuse surfaces be lit, and send rays on from the others.

@@ -12,7 +12,7 @@ use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
 use crate::direct::ExactShader;
-use crate::film::{Film, RenderClock, Shown, ShownSample, SumOrder, take_samples};
+use crate::film::{Film, RenderClock, SumOrder, UnlitSample, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{
     Lobe, MirroredLights, MirroredShader, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint,
@@ -88,7 +88,7 @@ pub(crate) fn trace_pass(
 /// What some samples have brought to the film.
 struct PathBlock {
     radiance: Vec<(u32, Radiance)>,
-    shown: Vec<ShownSample>,
+    unlit: Vec<UnlitSample>,
     first_hits: FirstHits,
     rays: RayCounts,
 }
@@ -114,14 +114,14 @@ impl PathBlock {
             })
             .collect();
         reporter.add(count, tracer.rays.total());
-        Self { radiance, shown: tracer.shown, first_hits: tracer.first_hits, rays: tracer.rays }
+        Self { radiance, unlit: tracer.unlit, first_hits: tracer.first_hits, rays: tracer.rays }
     }
 
     fn add_to(&self, film: &mut Film) {
         for (pixel, radiance) in &self.radiance {
             film.add(*pixel, radiance.all);
         }
-        self.shown.iter().for_each(|&sample| film.note_shown(sample));
+        self.unlit.iter().for_each(|&sample| film.add_unlit(sample));
         if film.has_layers() {
             for (pixel, radiance) in &self.radiance {
                 film.layers().add(Aov::Direct, *pixel, radiance.direct);
@@ -172,8 +172,8 @@ pub(super) struct PathTracer<'a> {
     mirrored: MirroredShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
-    /// The parts of camera rays that are no lit surfaces.
-    shown: Vec<ShownSample>,
+    /// The parts of camera rays that show unlit surfaces.
+    unlit: Vec<UnlitSample>,
     first_hits: FirstHits,
 }
 
@@ -224,7 +224,7 @@ impl<'a> PathTracer<'a> {
             mirrored: MirroredShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
-            shown: Vec::new(),
+            unlit: Vec::new(),
             first_hits: FirstHits::default(),
         }
     }
@@ -255,13 +255,7 @@ impl<'a> PathTracer<'a> {
         let mut li = Radiance::default();
         loop {
             let Some(hit) = self.scene.bvh().closest(&path.ray) else {
-                let radiance = beta * self.sky(&path.ray, origin);
-                li.add_emission(bounces, origin, radiance);
-                // What a mirror shows is a part of its surface.
-                if let RayOrigin::Camera = origin {
-                    let part = beta.max_element().min(1.0);
-                    self.shown.push(ShownSample { pixel, shown: Shown::Unmetered, radiance, part });
-                }
+                li.add_emission(bounces, origin, beta * self.sky(&path.ray, origin));
                 break;
             };
             let surface = evaluate_footprint(self.scene, &path.ray, path.cone, &hit);
@@ -283,9 +277,8 @@ impl<'a> PathTracer<'a> {
             // Add the surface's own light, and direct light that it reflects.
             let radiance = beta * self.emission(&path.ray, &hit, &surface, origin);
             li.add_emission(bounces, origin, radiance);
-            if let (RayOrigin::Camera | RayOrigin::CameraMirror, true) = (origin, radiance != Vec3::ZERO) {
-                let shown = if surface.is_unlit() { Shown::Unlit } else { Shown::Unmetered };
-                self.shown.push(ShownSample { pixel, shown, radiance, part: beta.max_element().min(1.0) });
+            if matches!(origin, RayOrigin::Camera | RayOrigin::CameraMirror) && surface.is_unlit() {
+                self.unlit.push(UnlitSample { pixel, radiance, part: beta.max_element().min(1.0) });
             }
             // The last bounce only looks for emitters.
             if bounces > self.options.transport.bounces {

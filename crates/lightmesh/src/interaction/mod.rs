@@ -9,11 +9,13 @@ mod mirrored_lights;
 mod offset_tests;
 mod ray_footprint;
 mod scatter;
+mod seen_place;
 mod surface;
 pub(crate) mod transmittance;
 
 pub use meter::Meter;
 pub(crate) use mirrored_lights::{MirroredLights, MirroredShader};
 pub(crate) use scatter::{Lobe, PathRay, SpecularLobe};
+pub(crate) use seen_place::SeenPlace;
 pub(crate) use surface::{ShadedHit, ShadingPoint, evaluate, evaluate_footprint, is_back_face, is_opaque};
 pub(crate) use transmittance::{VisibilityScratch, visibility};

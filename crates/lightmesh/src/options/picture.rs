@@ -51,10 +51,12 @@ impl PictureOptions {
 }
 
 impl RenderOptions {
-    /// For the film, the finished picture, what a display needs of each, and the 8-bit copy.
-    const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3 + 2 * 24;
+    /// For the film, the finished picture and its 8-bit copy.
+    const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
+    /// For the colours of unlit surfaces, on the film, and in a picture that is shown meanwhile.
+    const UNLIT_BYTES_PER_PIXEL: u64 = 16;
 
-    /// Refuses a picture that the memory limit does not hold: 76 bytes a pixel for the film, the finished picture and
+    /// Refuses a picture that the memory limit does not hold: 28 bytes a pixel for the film, the finished picture and
     /// its 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh
     /// and the scene are checked where they grow.
     ///
@@ -64,13 +66,21 @@ impl RenderOptions {
         self.check_memory(Self::BYTES_PER_PIXEL)
     }
 
-    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 47 bytes a pixel more, for the sketch, the
+    /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the
     /// picture that is shown and its 8-bit copy.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_viewed_picture_memory(&self) -> Result<(), Error> {
-        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 24 + 3 + 4)
+        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 3)
+    }
+
+    /// [`RenderOptions::check_picture_memory`], or [`RenderOptions::check_viewed_picture_memory`], with what unlit
+    /// surfaces take, if the scene has any.
+    pub(crate) fn check_film_memory(&self, is_viewed: bool, has_unlit: bool) -> Result<(), Error> {
+        let (viewed, copies) = if is_viewed { (4 + 12 + 3, 2) } else { (0, 1) };
+        let unlit = if has_unlit { copies * Self::UNLIT_BYTES_PER_PIXEL } else { 0 };
+        self.check_memory(Self::BYTES_PER_PIXEL + viewed + unlit)
     }
 
     fn check_memory(&self, bytes_per_pixel: u64) -> Result<(), Error> {

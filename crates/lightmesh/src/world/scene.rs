@@ -220,6 +220,11 @@ impl Scene {
         self.sheets[instance as usize].as_ref().is_some_and(|sheet| sheet[triangle as usize])
     }
 
+    /// Whether there are unlit surfaces.
+    pub(crate) fn has_unlit(&self) -> bool {
+        self.data.materials.iter().any(|material| material.unlit)
+    }
+
     /// Whether any texture is averaged over footprints.
     pub(crate) fn averages_textures(&self) -> bool {
         self.data.materials.iter().any(|material| material.has_averaged_textures())
