@@ -1,6 +1,7 @@
 //! Errors said once, and exit codes.
 //!
-//! 0 done; 1 failed while working; 2 bad input or usage; 130 interrupted.
+//! 0 done; 1 failed while working; 2 bad input or usage; 3 done, but not within the error asked for (`--strict`); 130
+//! interrupted.
 
 use clap::error::ErrorKind;
 
@@ -13,6 +14,8 @@ pub(crate) enum Failure {
     Input(anyhow::Error),
     /// The input was good and the work failed: exit code 1.
     Work(anyhow::Error),
+    /// The picture is written and its error is more than was asked for: exit code 3.
+    TooInexact(String),
     /// Ctrl-C: exit code 130, as shells count it (128 + SIGINT).
     Interrupted,
 }
@@ -35,6 +38,7 @@ impl Failure {
     pub(crate) fn message(&self) -> String {
         match self {
             Self::Input(error) | Self::Work(error) => format!("{error:#}"),
+            Self::TooInexact(message) => message.clone(),
             Self::Interrupted => "interrupted".to_owned(),
         }
     }
@@ -44,6 +48,7 @@ impl Failure {
         let code = match self {
             Self::Input(_) => 2,
             Self::Work(_) => 1,
+            Self::TooInexact(_) => 3,
             Self::Interrupted => return INTERRUPTED,
         };
         terminal::error(&self.message());

@@ -8,6 +8,7 @@ mod camera_choice;
 mod compare;
 mod completions;
 mod environment;
+mod error_report;
 mod exit;
 mod info;
 mod interrupt;
@@ -42,7 +43,8 @@ pub use crate::{
 pub const SOFTWARE: &str = concat!("lightmesh ", env!("CARGO_PKG_VERSION"));
 
 /// Runs the program with these arguments, its own name first, and returns its exit code: 0 done; 1 failed while
-/// working; 2 bad input or usage; 130 interrupted. It may end the process itself, after Ctrl-C.
+/// working; 2 bad input or usage; 3 the picture is written but not within `--error` (with `--strict`); 130 interrupted. It
+/// may end the process itself, after Ctrl-C.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

@@ -12,7 +12,7 @@ use lightmesh_io::{
 use crate::{
     SOFTWARE,
     args::{EmitterArgs, RenderArgs, Surroundings},
-    camera_choice, environment,
+    camera_choice, environment, error_report,
     exit::Failure,
     interrupt,
     outputs::{self, Outputs},
@@ -139,8 +139,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         if let Some(limit) = options.picture.time_limit {
             terminal::note(&samples_in_time(limit, &frame.stats));
         }
-        if let Some(error) = options.method.error() {
-            terminal::note(&estimate(error, frame.stats.estimated_error));
+        if let (Some(bound), Some(estimate)) = (options.method.error(), &frame.stats.error_estimate) {
+            error_report::lines(bound, estimate).iter().for_each(|line| terminal::note(line));
         }
         if let Some(note) = left_out(options.transport.bounces, frame.stats.truncated_light) {
             terminal::note(&note);
@@ -152,7 +152,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             frame.stats.seconds.render
         ));
     }
-    Ok(())
+    match (options.method.error(), &frame.stats.error_estimate) {
+        (Some(bound), Some(estimate)) if args.strict && !error_report::is_kept(bound, estimate) => {
+            Err(Failure::TooInexact(error_report::verdict(bound, estimate)))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a picture that memory does not hold, with what looks at it.
@@ -170,19 +175,6 @@ fn samples_in_time(limit: Duration, stats: &RenderStats) -> String {
     match stats.time_limit_reached {
         true => format!("{} sample(s) per pixel in the limit of {seconds} s", stats.spp),
         false => format!("all {} sample(s) per pixel, before the limit of {seconds} s", stats.spp),
-    }
-}
-
-/// Describes the estimated error of the light, beside the bound that was asked for.
-fn estimate(bound: f32, estimate: Option<f64>) -> String {
-    match estimate {
-        Some(0.0) => "every light is traced at every hit: the light is exact".into(),
-        Some(error) if error > f64::from(bound) => format!(
-            "the light's error is about {:.1}%, more than was asked for: choose a finer --indirect-spacing or a higher --refine",
-            100.0 * error
-        ),
-        Some(error) => format!("the light's error is about {:.1}%", 100.0 * error),
-        None => "the light's error is not known".into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lightmesh::{LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
+use lightmesh::{ErrorEstimate, LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
 use serde::Serialize;
 
 /// The whole document; keys in this order.
@@ -26,6 +26,8 @@ pub struct Stats {
     energy_left_out: Option<f64>,
     /// The estimated error, with `--error`; 0 means that the light is exact.
     estimated_error: Option<f64>,
+    /// What that error is made of.
+    error_estimate: Option<ErrorStats>,
     peak_memory_bytes: u64,
 }
 
@@ -49,6 +51,7 @@ impl Stats {
             fallbacks: frame.into(),
             energy_left_out: frame.truncated_light,
             estimated_error: frame.estimated_error,
+            error_estimate: frame.error_estimate.map(Into::into),
             peak_memory_bytes: peak_memory_bytes(),
         }
     }
@@ -149,6 +152,23 @@ struct RayStats {
 impl From<RayCounts> for RayStats {
     fn from(rays: RayCounts) -> Self {
         Self { primary: rays.primary, shadow: rays.shadow, gather: rays.gather, secondary: rays.secondary }
+    }
+}
+
+/// What verification by paths found out: relative root mean squares, and parts of all light.
+#[derive(Debug, Serialize)]
+struct ErrorStats {
+    direct: f64,
+    uncertainty: f64,
+    bias: f64,
+    caustics: f64,
+    path_spp: u64,
+}
+
+impl From<ErrorEstimate> for ErrorStats {
+    fn from(estimate: ErrorEstimate) -> Self {
+        let ErrorEstimate { direct, uncertainty, bias, caustics, path_spp, .. } = estimate;
+        Self { direct, uncertainty, bias, caustics, path_spp }
     }
 }
 

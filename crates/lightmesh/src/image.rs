@@ -90,6 +90,26 @@ impl std::ops::AddAssign for Seconds {
     }
 }
 
+/// What verification by paths found out about a picture whose error is bounded. Errors are root mean squares over the
+/// verified pixels, relative to the mean of their light, at the picture's own samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ErrorEstimate {
+    /// Of all light.
+    pub all: f64,
+    /// Of direct light and emission alone.
+    pub direct: f64,
+    /// How far `all` may be off, because the paths have noise: one standard deviation.
+    pub uncertainty: f64,
+    /// Mean of the picture's light over that of the paths, less 1.
+    pub bias: f64,
+    /// The part of all light that diffuse surfaces receive by way of mirrors and glass (caustics), by paths.
+    pub caustics: f64,
+    /// Samples per pixel with which [`Method::Path`](crate::Method::Path) would keep the bound, by the noise of the
+    /// paths; 0 where they had none.
+    pub path_spp: u64,
+}
+
 /// Statistics of one frame: time, rays, and the state of the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -117,6 +137,8 @@ pub struct RenderStats {
     /// The estimated error of the picture, RMS relative to its mean, if
     /// the error of [`Method::Mesh`](crate::Method::Mesh) is set; 0: its light is exact.
     pub estimated_error: Option<f64>,
+    /// How that error was found, and what it is made of.
+    pub error_estimate: Option<ErrorEstimate>,
     /// The estimated light of bounces after the last one, as a part of all light; `None` without an estimate.
     pub truncated_light: Option<f64>,
 }
@@ -130,5 +152,6 @@ impl RenderStats {
         self.gather_fallbacks += part.gather_fallbacks;
         self.fill_shadow_rays += part.fill_shadow_rays;
         self.estimated_error = self.estimated_error.or(part.estimated_error);
+        self.error_estimate = self.error_estimate.or(part.error_estimate);
     }
 }

@@ -83,7 +83,7 @@ mod world;
 pub use api::{Frame, Measured, measure, render};
 pub use error::Error;
 pub use fingerprint::Fingerprint;
-pub use image::{Image, MeshStats, RayCounts, RenderStats, Seconds};
+pub use image::{ErrorEstimate, Image, MeshStats, RayCounts, RenderStats, Seconds};
 pub use interaction::Meter;
 pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, LightMesh, PointSnapshot, Snapshot};
 pub use mesh::LatticeShape;

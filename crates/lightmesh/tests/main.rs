@@ -20,4 +20,5 @@ mod partial_images;
 mod shapes;
 mod shared_meshes;
 mod textures;
+mod verification;
 mod viewer;

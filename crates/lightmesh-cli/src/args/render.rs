@@ -43,6 +43,9 @@ pub(crate) struct RenderArgs {
     /// Write what the light mesh knows after the render to this file, for --mesh
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) save_mesh: Option<PathBuf>,
+    /// Exit with 3 where --error is not kept; the picture is written all the same
+    #[arg(long, help_heading = "Output")]
+    pub(crate) strict: bool,
     /// Say nothing but errors
     #[arg(long, short, help_heading = "Output")]
     pub(crate) quiet: bool,

@@ -70,6 +70,24 @@ fn a_scene_without_light_is_lit_from_the_camera_with_a_warning() {
     assert_eq!(quiet.stderr(), "");
 }
 
+/// One part in ten thousand is more than the noise of any plan allows: the picture comes, with what is wrong with it.
+#[test]
+fn an_error_that_is_not_kept_is_said_and_strict_exits_with_3() {
+    let place = Place::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell.glb");
+    let line = format!("render {scene} -o a.exr --size 32x24 --spp 1 --error 0.0001 --stats a.json");
+    let said = place.run(&line).exits(0).stderr();
+    for part in ["more than the 0.01% asked for", "most of the error is in the", "--method path --spp"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let strict = place.run(&(line + " --quiet --strict")).exits(3).stderr();
+    assert!(strict.starts_with("error: the light's error is about") && strict.lines().count() == 1, "{strict}");
+    assert!(place.path("a.exr").exists());
+    let stats: Value = serde_json::from_str(&std::fs::read_to_string(place.path("a.json")).unwrap()).unwrap();
+    assert!(stats["error_estimate"]["path_spp"].as_u64() > Some(1000), "{stats}");
+    place.run("render scene.gltf -o b.exr --size 8x8 --error 0.5 --strict").exits(0);
+}
+
 #[test]
 fn what_bounces_leave_out_is_said_where_the_mesh_knows_it() {
     let place = Place::new();

@@ -33,6 +33,8 @@ pub(crate) enum Shading {
 /// How surfaces get their indirect light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Indirect {
+    /// Not at all.
+    None,
     /// From the indirect mesh: formula (6).
     Mesh,
     /// From gather rays of their own, which read the mesh where they end.

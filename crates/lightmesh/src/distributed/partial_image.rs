@@ -166,6 +166,7 @@ pub fn render_waves(
     // Copy their pixels.
     stats.seconds.render = started.elapsed().as_secs_f64();
     stats.estimated_error = prepared.stats.estimated_error;
+    stats.error_estimate = prepared.stats.error_estimate;
     Ok(PartialImage { waves, values: film.copy_pixels(&pixels), emitter_seen: film.copy_seen(&pixels), stats })
 }
 

@@ -109,7 +109,8 @@ fn shade_from_mesh(
 
     // Indirect light. A mesh for more bounces may serve none: what is left to read then is emission that gather rays
     // find.
-    let has_indirect = options.transport.bounces > 0 || scene.has_unsampled_emitters();
+    let has_indirect =
+        plan.indirect != Indirect::None && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
     if let (Some(field), Some(marks), true) = (&mut mesh.indirect, &mut marks.indirect, has_indirect) {
         add_indirect(field, marks, direct, blocks)?;
     }
@@ -149,7 +150,7 @@ fn add_indirect(
     let started = Instant::now();
     let unresolved: Vec<ShadingPoint> = blocks.iter().flat_map(|block| block.unresolved()).copied().collect();
     let irradiance = match direct.plan.indirect {
-        Indirect::Mesh => {
+        Indirect::None | Indirect::Mesh => {
             direct.stats.gather_fallbacks += unresolved.len() as u64;
             field.final_gather(&mut direct, marks, &unresolved, bounces, seed)?
         }

@@ -32,7 +32,9 @@ pub(crate) fn measure_waves(
     // Where no mesh reaches, light is exact, except for what gather rays read where they end.
     let plan = LightingPlan::of(options);
     let plan_outside = match plan.indirect {
-        Indirect::Mesh => LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed: 0 }, ..plan },
+        Indirect::None | Indirect::Mesh => {
+            LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed: 0 }, ..plan }
+        }
         Indirect::FinalGather { .. } | Indirect::Unbiased { .. } => LightingPlan { primary: Shading::Exact, ..plan },
     };
     let mut blocks: Vec<PointBlock> = (0..BLOCKS_PER_WAVE).map(|_| PointBlock::default()).collect();

@@ -21,6 +21,7 @@ mod lighting;
 mod meter_paths;
 mod meters;
 mod path;
+mod path_pixels;
 mod point_block;
 mod points_overlay;
 mod wave;

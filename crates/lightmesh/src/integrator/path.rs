@@ -131,9 +131,11 @@ impl PathBlock {
 /// Radiance along a path, cd/m², or irradiance: the sum, and the parts that [`Aov::Direct`] and [`Aov::Indirect`] show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Radiance {
-    all: Vec3,
+    pub(super) all: Vec3,
     pub(super) direct: Vec3,
     pub(super) indirect: Vec3,
+    /// The part of the sum that diffuse surfaces receive by way of mirrors and glass: caustics.
+    pub(super) caustics: Vec3,
 }
 
 impl Radiance {
@@ -147,6 +149,15 @@ impl Radiance {
         self.all += path.all * share;
         self.direct += path.direct * share;
         self.indirect += path.indirect * share;
+        self.caustics += path.caustics * share;
+    }
+
+    /// Adds emission at the end of a path with so many diffuse bounces.
+    fn add_emission(&mut self, bounces: u32, origin: RayOrigin, radiance: Vec3) {
+        self.add(layer_of_emission(bounces, origin), radiance);
+        if matches!(origin, RayOrigin::Specular) {
+            self.caustics += radiance;
+        }
     }
 }
 
@@ -221,7 +232,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// An estimate of the radiance along a camera ray, cd/m².
-    fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
+    pub(super) fn li(&mut self, ray: Ray, cone: Cone, pixel: u32, sampler: &mut Sampler) -> Radiance {
         self.rays.primary += 1;
         let path = PathRay::new(ray, cone);
         self.follow(PathState { path, beta: Vec3::ONE, bounces: 0, origin: RayOrigin::Camera, pixel }, sampler)
@@ -233,7 +244,7 @@ impl<'a> PathTracer<'a> {
         let mut li = Radiance::default();
         loop {
             let Some(hit) = self.scene.bvh().closest(&path.ray) else {
-                li.add(layer_of_emission(bounces, origin), beta * self.sky(&path.ray, origin));
+                li.add_emission(bounces, origin, beta * self.sky(&path.ray, origin));
                 break;
             };
             let surface = evaluate_footprint(self.scene, &path.ray, path.cone, &hit);
@@ -253,7 +264,7 @@ impl<'a> PathTracer<'a> {
             }
 
             // Add the surface's own light, and direct light that it reflects.
-            li.add(layer_of_emission(bounces, origin), beta * self.emission(&path.ray, &hit, &surface, origin));
+            li.add_emission(bounces, origin, beta * self.emission(&path.ray, &hit, &surface, origin));
             // The last bounce only looks for emitters.
             if bounces > self.options.transport.bounces {
                 break;

@@ -1,21 +1,19 @@
-//! Light to a given error: the renderer lights some pixels exactly, compares cheaper plans with that, and takes the
-//! cheapest one within the bound.
+//! Direct light to a given error: the renderer lights some pixels exactly, compares cheaper plans with that, and takes
+//! the cheapest one within the bound.
 //!
 //! Two sets of pixels are drawn, each spread over the picture. On the first, the *pilot*, all samples of each pixel
 //! are lit exactly, and then by one plan after the other, from the cheapest to the most expensive, until one of them
 //! is within the bound. On the second set, which had no part in the choice, that plan must be within the bound too; if
-//! it is not, the next plan is tried. The error that is reported is that on both sets. A pixel looks the same in the
-//! picture as it does here, as random numbers are seeded by the position of what is lit.
+//! it is not, the next plan is tried. A pixel looks the same in the picture as it does here, as random numbers are
+//! seeded by the position of what is lit.
 //!
-//! The truth of direct light is a shadow ray to every light. That of indirect light comes from gather rays at each hit,
-//! twice with other rays: with two truths T + a and T + b, whose errors a and b are independent, the mean of
-//! (p − T − a)(p − T − b) is the mean of (p − T)². The gather rays read the mesh where they end, so that what is
-//! measured is the last bounce, which is the largest part of the error.
+//! The truth is a shadow ray to every light sample. Indirect light is the mesh's in both, and cancels: `verify.rs`
+//! compares all light, and the light samples themselves, with paths.
 
 use glam::Vec3;
 
 use super::pilot::Pilot;
-use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading, TrustAgreement};
+use crate::direct::{LightingPlan, SamplingPolicy, Shading, TrustAgreement};
 use crate::{Error, RenderStats};
 
 /// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low
@@ -50,7 +48,7 @@ const PART_FACTORS: (f32, f32) = (0.3, 0.8);
 const MOST_ABOVE: f32 = 0.8;
 
 /// Samples of a pixel that are lit, at most: where there are more, the error of the picture is less than the estimate.
-const MOST_SAMPLES: u32 = 16;
+pub(super) const MOST_SAMPLES: u32 = 16;
 
 /// How good a plan is, and what it costs.
 #[derive(Clone, Copy, Debug)]
@@ -61,12 +59,12 @@ struct PlanCost {
     rays: f64,
 }
 
-/// Pixels with their true light.
+/// Pixels with their exact direct light.
 struct Truth {
     pixels: Vec<u32>,
-    /// Two by pixel, whose errors are independent; the same one twice where light is exact.
-    sums: [Vec<Vec3>; 2],
-    /// Mean over pixels and channels, of the first.
+    /// By pixel.
+    sums: Vec<Vec3>,
+    /// Of all light, over pixels and channels.
     mean: f64,
     /// Shadow rays per sample.
     rays: f64,
@@ -80,8 +78,8 @@ struct PixelLight {
     rays: f64,
 }
 
-/// Chooses the cheapest plan whose picture is within `bound` of the truth, starting from what the method says. Returns
-/// it with its estimated error, relative to the picture's mean.
+/// Chooses the cheapest plan whose direct light is within `bound` of that at every light sample, starting from what the
+/// method says. Returns it with its estimated error, relative to the picture's mean.
 pub(super) fn choose_plan(
     pilot: &mut Pilot<'_, '_, '_>,
     plan: LightingPlan,
@@ -126,11 +124,7 @@ pub(super) fn choose_plan(
     }
 
     // Trace every light where no policy is cheaper.
-    let plan = LightingPlan { primary: Shading::Exact, ..plan };
-    if !pilot.frame.lighting.has_indirect() {
-        return Ok((plan, 0.0));
-    }
-    Ok((plan, truth.compare(pilot, plan)?.error))
+    Ok((LightingPlan { primary: Shading::Exact, ..plan }, 0.0))
 }
 
 impl Truth {
@@ -138,23 +132,16 @@ impl Truth {
     fn find(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan, set: u32) -> Result<Self, Error> {
         let count = (pilot.film.pixel_count() / PIXELS_PER_CHECK).clamp(*CHECKS.start(), *CHECKS.end());
         let pixels = pilot.film.draw(pilot.frame.options.seed, set, count);
-        let exact = |seed| LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed }, ..plan };
-        let PixelLight { sums: first, rays } = light(pilot, &pixels, exact(1))?;
-        let second = match pilot.frame.lighting.has_indirect() {
-            false => first.clone(),
-            true => light(pilot, &pixels, exact(2))?.sums,
-        };
-        let mean = first.iter().map(|sum| f64::from(sum.element_sum())).sum::<f64>() / (3 * pixels.len()) as f64;
-        Ok(Self { pixels, sums: [first, second], mean, rays })
+        let PixelLight { sums, rays } = light(pilot, &pixels, LightingPlan { primary: Shading::Exact, ..plan })?;
+        let mean = sums.iter().map(|sum| f64::from(sum.element_sum())).sum::<f64>() / (3 * pixels.len()) as f64;
+        Ok(Self { pixels, sums, mean, rays })
     }
 
     /// Lights the pixels as the plan says, and compares.
     fn compare(&self, pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Result<PlanCost, Error> {
         let PixelLight { sums, rays } = light(pilot, &self.pixels, plan)?;
-        let [first, second] = &self.sums;
-        let squares = sums.iter().zip(first).zip(second);
-        let sum: f64 = squares.map(|((&p, &a), &b)| f64::from(((p - a) * (p - b)).element_sum())).sum();
-        let square = sum.max(0.0) / (3 * self.pixels.len()) as f64;
+        let squares = sums.iter().zip(&self.sums).map(|(&p, &t)| f64::from((p - t).length_squared()));
+        let square = squares.sum::<f64>() / (3 * self.pixels.len()) as f64;
         let error = if self.mean > 0.0 { square.sqrt() / self.mean } else { 0.0 };
         Ok(PlanCost { error, rays })
     }

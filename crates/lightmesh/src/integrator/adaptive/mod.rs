@@ -3,8 +3,10 @@
 
 mod distance_levels;
 mod error_bound;
+mod keep_bound;
 mod pilot;
 mod refine;
+mod verify;
 
 use self::pilot::Pilot;
 use super::lighting::Lighting;
@@ -44,8 +46,9 @@ pub(crate) fn adapt(
 
     // Choose the cheapest plan that keeps the bound.
     let Some(bound) = pilot.frame.options.method.error() else { return Ok(plan) };
-    let (plan, error) = error_bound::choose_plan(&mut pilot, plan, f64::from(bound))?;
-    pilot.stats.estimated_error = Some(error);
+    let (plan, estimate) = keep_bound::keep_bound(&mut pilot, plan, f64::from(bound))?;
+    pilot.stats.estimated_error = Some(estimate.all);
+    pilot.stats.error_estimate = Some(estimate);
     Ok(plan)
 }
 
