@@ -2,8 +2,8 @@
 //! is good enough.
 //!
 //! 1. direct light by the cheapest policy within the bound (`error_bound.rs`), indirect light from the mesh;
-//! 2. gather rays at every surface, where it is the indirect light that is wrong;
-//! 3. more shadow rays, where direct light leaves too little of the bound to the rest;
+//! 2. more shadow rays, where direct light leaves too little of the bound to the rest;
+//! 3. gather rays at every surface, where it is the indirect light that is wrong;
 //! 4. gather rays that go on as paths, with the mesh as control variate, where reading it at the ends of gather rays is
 //!    what is wrong.
 //!
@@ -19,6 +19,11 @@ use crate::{Error, ErrorEstimate};
 /// A more expensive plan that does not keep the bound either is taken where its mean square error is below this part of
 /// what it was. Empirical.
 const WORTH: f64 = 0.7;
+
+/// The part of what is left of the bound that direct light aims at, and the least part of the bound that is worth a
+/// policy of its own.
+const LEFT: f64 = 0.9;
+const LEAST_TARGET: f64 = 0.2;
 
 /// An error below this is rounding: the light is exact.
 const ROUNDING: f64 = 1e-5;
@@ -62,22 +67,20 @@ pub(super) fn keep_bound(
         Ok(next)
     };
 
-    // Gather at every surface, where more than the direct light is wrong.
+    // Trace more shadow rays, where the rest leaves room for direct light.
     let square = bound * bound;
-    if best.found.error() > bound && pilot.frame.lighting.has_indirect() && best.found.rest() > 0.5 * square {
-        let indirect = Indirect::FinalGather { seed: 3 };
-        let plan = LightingPlan { indirect, ..best.plan };
-        try_plan(pilot, &mut best, plan)?;
-    }
-
-    // Trace more shadow rays.
-    if best.found.error() > bound && best.plan.primary != Shading::Exact {
-        let left = square - best.found.rest();
-        let primary = match left > 0.1 * square {
-            true => choose_plan(pilot, best.plan, 0.9 * left.sqrt())?.0.primary,
+    if best.found.error() > bound && best.plan.primary != Shading::Exact && best.found.rest() < square {
+        let target = LEFT * (square - best.found.rest()).sqrt();
+        let primary = match target > LEAST_TARGET * bound {
+            true => choose_plan(pilot, best.plan, target)?.0.primary,
             false => Shading::Exact,
         };
-        let plan = LightingPlan { primary, ..best.plan };
+        try_plan(pilot, &mut best, LightingPlan { primary, ..first })?;
+    }
+
+    // Gather at every surface, where more than the direct light is wrong.
+    if best.found.error() > bound && pilot.frame.lighting.has_indirect() && best.found.rest() > 0.5 * square {
+        let plan = LightingPlan { indirect: Indirect::FinalGather { seed: 3 }, ..best.plan };
         try_plan(pilot, &mut best, plan)?;
     }
 

@@ -24,12 +24,10 @@ use crate::sampling::hash;
 const PIXELS: u64 = 2048;
 const PIXELS_PER_CHECK: u64 = 8;
 
-/// Paths of each pixel in the first round, both truths together; each further round has as many as there are.
-const FIRST_PATHS: u32 = 64;
-
-/// Paths of all pixels, at most: so many, or so many for each sample of the picture if that is more.
-const MOST_PATHS: u64 = 1 << 20;
-const PATHS_PER_SAMPLE: u64 = 1;
+/// Rays of all paths after which no more are followed: so many, or so many for each sample of the picture if that is
+/// more.
+const MOST_RAYS: u64 = 1 << 23;
+const RAYS_PER_SAMPLE: u64 = 32;
 
 /// Paths end where the standard deviation of the mean square is below this part of the squared bound, or of the mean
 /// square itself.
@@ -49,6 +47,8 @@ pub(super) struct Verification {
     /// Paths of each sample, in each truth.
     paths: u32,
     round: u32,
+    /// Of all paths so far.
+    rays: u64,
 }
 
 /// How far the light of a plan is from the truth.
@@ -97,7 +97,7 @@ impl Verification {
         let spp = options.picture.spp.min(MOST_SAMPLES);
         let film = pilot.film.of_pixels(pixels.clone(), spp);
         let truths = [(); 2].map(|()| vec![PathSums::default(); pixels.len()]);
-        Self { pixels, spp, film, truths, paths: 0, round: 0 }
+        Self { pixels, spp, film, truths, paths: 0, round: 0, rays: 0 }
     }
 
     /// Lights the pixels as the plan says and compares them with paths: as many as it takes to know whether the error is
@@ -114,7 +114,7 @@ impl Verification {
             true => pilot.light_pixels(&self.pixels, self.spp, direct)?.sums_of(&self.pixels),
             false => all.clone(),
         };
-        let most = MOST_PATHS.max(PATHS_PER_SAMPLE * pilot.film.sample_count());
+        let most_rays = MOST_RAYS.max(RAYS_PER_SAMPLE * pilot.film.sample_count());
         loop {
             if self.paths > 0 {
                 let found = self.difference(&all, &direct);
@@ -122,8 +122,8 @@ impl Verification {
                 let square = bound * bound;
                 let unresolved = found.deviation - RESOLVED * square.max(found.square);
                 let is_beyond = found.square - 3.0 * found.deviation > square;
-                let next = 2 * 2 * u64::from(self.paths) * self.film.sample_count();
-                if unresolved <= 0.0 || is_beyond || next > most || self.paths >= MOST_PATHS_PER_SAMPLE {
+                let is_spent = 2 * self.rays > most_rays || self.paths >= MOST_PATHS_PER_SAMPLE;
+                if unresolved <= 0.0 || is_beyond || is_spent {
                     return Ok(Comparison { unresolved: unresolved.max(0.0), ..found });
                 }
             }
@@ -133,7 +133,7 @@ impl Verification {
 
     /// Doubles the number of paths.
     fn add_paths(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
-        let count = if self.paths > 0 { self.paths } else { (FIRST_PATHS / 2 / self.spp).max(1) };
+        let count = self.paths.max(1);
         let (scene, options) = (pilot.frame.scene, pilot.frame.options);
         let reporter = Reporter::new(pilot.clock.progress, Stage::Check, 2 * self.film.sample_count());
         for (i, truth) in self.truths.iter_mut().enumerate() {
@@ -144,6 +144,7 @@ impl Verification {
             }
             truth.iter_mut().zip(sums).for_each(|(sum, more)| *sum += more);
             pilot.stats.rays += rays;
+            self.rays += rays.total();
         }
         self.paths += count;
         self.round += 1;
