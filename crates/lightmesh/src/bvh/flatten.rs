@@ -10,7 +10,7 @@ use crate::scene::{Instance, SceneData};
 const SMALL: usize = 1024;
 
 /// Says of each mesh whether its instances are flattened.
-pub(super) fn flattened_meshes(data: &SceneData) -> Vec<bool> {
+pub(crate) fn flattened_meshes(data: &SceneData) -> Vec<bool> {
     let mut uses = vec![0_usize; data.meshes.len()];
     data.instances.iter().for_each(|i| uses[i.mesh] += 1);
     data.meshes.iter().zip(uses).map(|(mesh, n)| n <= 1 || n * mesh.triangles.len() <= SMALL).collect()

@@ -21,6 +21,7 @@ mod triangle_bvh;
 mod tests;
 
 pub use brute_force::closest_brute_force;
+pub(crate) use flatten::flattened_meshes;
 pub use hit::{Hit, Target};
 pub use scene_bvh::SceneBvh;
 pub use triangle_bvh::TriangleBvh;

@@ -35,22 +35,39 @@ impl Ray {
     }
 }
 
-/// Relative size of [`offset_origin`]'s step: 2⁻¹⁴, 0.6 mm at 10 m. A hit's position, interpolated in f32, is off by a
-/// few 2⁻²⁴ of its largest coordinate; more is needed where authors laid surfaces upon each other. Empirical; error of
-/// exact shadow rays at pixel centres against Mitsuba in Sponza with 25 lights / a living room / a room of 15 lights:
-/// 2⁻²³ 5.3 / 16.9 / 2.5%, 2⁻²⁰ 1.9 / 3.5 / 0.3%, 2⁻¹⁷ 0.7 / 2.2 / 0.3%, 2⁻¹⁴ 0.5 / 1.5 / 0.25%.
-const OFFSET: f32 = 1.0 / 16_384.0;
+/// u, half the distance between 1 and the next float.
+const UNIT_ROUNDOFF: f32 = 1.0 / (1 << 24) as f32;
 
-/// Returns where a ray along `direction` leaves a surface: the point, moved a little to the side of the geometric
-/// `normal` (unit) on which the ray goes, so that it does not hit the surface itself. The step is 2⁻¹⁴ of the point's
-/// largest coordinate plus a 64th of `extent`, the largest coordinate (metres) of the object that was hit.
-pub fn offset_origin(point: Vec3, normal: Vec3, extent: f32, direction: Vec3) -> Vec3 {
-    offset_origins(point, normal, extent)[usize::from(normal.dot(direction) < 0.0)]
+/// How far off a surface its rays start, in units of u times the largest coordinate that was rounded on the way to the
+/// point.
+const PER_COORDINATE: f32 = 64.0;
+
+/// The same, in units of u times the size of the primitive.
+const PER_SIZE: f32 = 16.0;
+
+/// Returns how far off a surface rays start that must not meet it, metres: a bound of two rounding errors, that of the
+/// point and that of the test by which the ray would meet the surface again (the idea of Wächter and Binder, "A Fast
+/// and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, 2019, ch. 6; the analysis that of Pharr, Jakob
+/// and Humphreys, *Physically Based Rendering*, 4th ed., section 6.8).
+///
+/// `coordinate`: the largest coordinate of the point, and of whatever was added up to it, metres. Interpolation rounds
+/// by a few u of it, which is the float spacing there; the rest is for surfaces that authors laid upon each other, whose
+/// places are rounded as well. `size`: the largest extent of the primitive along an axis. The triangle test of Woop et
+/// al. sees its corners moved by up to 6 u times their distance from the ray's origin.
+#[inline(always)]
+pub(crate) fn self_distance(coordinate: f32, size: f32) -> f32 {
+    (coordinate * PER_COORDINATE + size * PER_SIZE) * UNIT_ROUNDOFF
+}
+
+/// Returns where a ray along `direction` leaves a surface: the point, moved by `distance` (metres) to the side of the
+/// geometric `normal` (unit) on which the ray goes, so that it does not hit the surface itself.
+pub fn offset_origin(point: Vec3, normal: Vec3, distance: f32, direction: Vec3) -> Vec3 {
+    offset_origins(point, normal, distance)[usize::from(normal.dot(direction) < 0.0)]
 }
 
 /// [`offset_origin`] for directions on the side of `normal`, and for those on the other one.
 #[inline(always)]
-pub(crate) fn offset_origins(point: Vec3, normal: Vec3, extent: f32) -> [Vec3; 2] {
-    let step = normal * ((point.abs().max_element() + extent / 64.0) * OFFSET);
+pub(crate) fn offset_origins(point: Vec3, normal: Vec3, distance: f32) -> [Vec3; 2] {
+    let step = normal * distance;
     [point + step, point - step]
 }

@@ -4,9 +4,12 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::Instance;
 use crate::bvh::{Hit, Target};
-use crate::geometry::{Ray, TriangleMesh};
+use crate::geometry::{Ray, TriangleMesh, self_distance};
 use crate::scene::Footprint;
 use crate::world::Scene;
+
+/// How much worse than a triangle's a user-defined shape's arithmetic may be: 64 makes it 2⁻¹⁴ of its size. A judgement.
+const SHAPE_ERROR: f32 = 64.0;
 
 /// The geometry of a hit, in world space.
 pub(super) struct SurfaceInteraction<'a> {
@@ -15,10 +18,12 @@ pub(super) struct SurfaceInteraction<'a> {
     pub ng: Vec3,
     /// Unit interpolated normal, on the same side.
     pub n: Vec3,
-    /// The largest coordinate of the object, metres.
-    pub extent: f32,
+    /// How far off the surface its rays start, metres.
+    pub offset: f32,
     /// Whether the ray met the front side.
     pub front: bool,
+    /// Whether it is a sheet that stands for both faces of a thin pane ([`Scene::is_sheet`]).
+    pub sheet: bool,
     /// Texture coordinates of both sets.
     pub uvs: [Vec2; 2],
     /// The part of the textures that the ray's cone covers, in both sets.
@@ -58,16 +63,17 @@ pub(super) fn intersect_geometry<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> 
             let sphere = &scene.data().spheres[i as usize];
             // Back onto the surface: o + t·d is off by the rounding of t.
             let position = sphere.center + sphere.normal(ray.at(hit.t)) * sphere.radius;
-            let extent = sphere.center.abs().max_element() + sphere.radius;
-            smooth_interaction(ray, position, sphere.normal(position), sphere.uv(position), extent, sphere.material)
+            let offset = self_distance(sphere.center.abs().max_element() + sphere.radius, sphere.radius);
+            smooth_interaction(ray, position, sphere.normal(position), sphere.uv(position), offset, sphere.material)
         }
         Target::Shape(i) => {
             let entry = &scene.data().shapes[i as usize];
             let position = ray.at(hit.t);
-            let bounds = entry.shape.bounds();
-            let extent = bounds.min.abs().max(bounds.max.abs()).max_element().max(ray.origin.abs().max_element());
+            let coordinate = position.abs().max(ray.origin.abs()).max_element();
+            let size = entry.shape.bounds().size().max_element().min(coordinate);
+            let offset = self_distance(coordinate, SHAPE_ERROR * size);
             let (n, uv) = (entry.shape.normal(position), entry.shape.uv(position));
-            smooth_interaction(ray, position, n, uv, extent, entry.material)
+            smooth_interaction(ray, position, n, uv, offset, entry.material)
         }
     }
 }
@@ -78,7 +84,7 @@ fn smooth_interaction(
     position: Vec3,
     outward: Vec3,
     uv: Vec2,
-    extent: f32,
+    offset: f32,
     material: usize,
 ) -> SurfaceInteraction<'static> {
     let front = outward.dot(ray.direction) < 0.0;
@@ -87,8 +93,9 @@ fn smooth_interaction(
         position,
         ng: n,
         n,
-        extent,
+        offset,
         front,
+        sheet: false,
         uvs: [uv; 2],
         footprints: [Footprint::POINT; 2],
         color: Vec4::ONE,
@@ -117,10 +124,11 @@ fn triangle_interaction<'a>(
         p = p.map(|p| placed.world_from_object.transform_point3(p));
     }
     let position = p[0] * b[0] + p[1] * b[1] + p[2] * b[2];
-    let extent = p[0].abs().max(p[1].abs()).max(p[2].abs()).max_element();
+    let edges = [p[1] - p[0], p[2] - p[0]];
+    let size = edges[0].abs().max(edges[1].abs()).max_element();
+    let offset = self_distance(rounded_coordinate(scene, instance, corners, position), size);
 
     // Turn the geometric normal to the viewer.
-    let edges = [p[1] - p[0], p[2] - p[0]];
     let normal = edges[0].cross(edges[1]);
     let outward = (normal * frame.handedness).try_normalize().unwrap_or_else(|| -ray.direction.normalize());
     let front = outward.dot(ray.direction) < 0.0;
@@ -144,8 +152,9 @@ fn triangle_interaction<'a>(
         position,
         ng,
         n,
-        extent,
+        offset,
         front,
+        sheet: scene.is_sheet(instance, triangle),
         uvs,
         footprints: [Footprint::POINT; 2],
         color,
@@ -166,6 +175,21 @@ fn triangle_interaction<'a>(
         interaction.tangents = frame.map(|(t, b)| if front { (t, b) } else { (-t, -b) });
     }
     interaction
+}
+
+/// The largest coordinate that was rounded on the way to a point of a triangle, metres: of the point itself where the
+/// ray met corners in world space. A mesh with a tree of its own met a ray in object space, so there it is that of the
+/// corners before the translation, times how much the two transforms may amplify what they round.
+fn rounded_coordinate(scene: &Scene, instance: u32, corners: [usize; 3], position: Vec3) -> f32 {
+    let frame = scene.instance_frame(instance);
+    if frame.amplification == 0.0 {
+        return position.abs().max_element();
+    }
+    let placed = &scene.data().instances[instance as usize];
+    let [a, b, c] = corners.map(|i| scene.data().meshes[placed.mesh].positions[i].abs());
+    let m = placed.world_from_object.matrix3.abs();
+    let moved = m * glam::Vec3A::from(a.max(b).max(c)) + placed.world_from_object.translation.abs();
+    moved.max_element() * frame.amplification
 }
 
 fn interpolate(values: &[Vec2], corners: [usize; 3], b: [f32; 3]) -> Vec2 {

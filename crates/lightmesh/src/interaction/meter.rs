@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::surface::ShadingPoint;
+use super::surface::{ShadingPoint, evaluate};
+use crate::geometry::{Ray, self_distance};
 use crate::{Error, Scene};
 
 /// A point at which irradiance is measured: on a surface, or in free space as on a work plane.
@@ -39,12 +40,16 @@ impl Meter {
         Err(Error::InvalidMeter { index, what })
     }
 
-    /// The meter as a point to be lit. Its rays start off the surface that it may lie on by the step of an object as
-    /// large as the scene: a millionth of its largest coordinate, at the least, where the meter is next to the origin.
+    /// The meter as a point to be lit. Its rays start off the surface that it may lie on, as far as the rays of that
+    /// surface do.
     pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
-        let bounds = scene.bounds();
-        let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let n = self.direction();
-        ShadingPoint { position: self.position, n, ng: n, extent, weight: Vec3::ONE, id: 0 }
+        let coordinate = self.position.abs().max_element();
+        // Look for the surface as far as the largest triangle that the scene could have may be off.
+        let reach = n * self_distance(coordinate, scene.bounds().size().max_element());
+        let ray = Ray { t_max: 1.0, ..Ray::new(self.position + reach, -2.0 * reach) };
+        let surface = scene.bvh().closest(&ray).map_or(0.0, |hit| evaluate(scene, &ray, &hit).offset);
+        let offset = self_distance(coordinate, 0.0).max(2.0 * surface);
+        ShadingPoint { position: self.position, n, ng: n, offset, weight: Vec3::ONE, id: 0 }
     }
 }

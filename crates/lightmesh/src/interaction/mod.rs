@@ -1,8 +1,11 @@
 //! What a ray meets: the geometry of a hit, the surface there, where it goes on, and how much light passes between two
 //! points.
 
+mod fresnel;
 mod hit_geometry;
 mod meter;
+#[cfg(test)]
+mod offset_tests;
 mod ray_footprint;
 mod scatter;
 mod surface;

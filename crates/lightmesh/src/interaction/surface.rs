@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
+use super::fresnel::Reflectances;
 use super::hit_geometry::{SurfaceInteraction, intersect_geometry};
 use super::ray_footprint::footprints;
 use crate::AlphaMode;
@@ -19,8 +20,8 @@ pub(crate) struct ShadingPoint {
     pub n: Vec3,
     /// Unit geometric normal, on the viewer's side.
     pub ng: Vec3,
-    /// The largest coordinate of the object that was hit, metres: sets how far rays start off the surface.
-    pub extent: f32,
+    /// How far off the surface its rays start, metres.
+    pub offset: f32,
     /// Radiance that reaches the start of the path, at the film or along a gather ray, per unit of irradiance here:
     /// throughput · albedo / π.
     pub weight: Vec3,
@@ -31,13 +32,13 @@ pub(crate) struct ShadingPoint {
 impl ShadingPoint {
     /// Returns where a ray along `direction` starts: off the surface on that side.
     pub(crate) fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        offset_origin(self.position, self.ng, self.extent, direction)
+        offset_origin(self.position, self.ng, self.offset, direction)
     }
 
     /// Returns where rays to the side of `ng` start, and those to the other one.
     #[inline(always)]
     pub(crate) fn origins(&self) -> [Vec3; 2] {
-        offset_origins(self.position, self.ng, self.extent)
+        offset_origins(self.position, self.ng, self.offset)
     }
 }
 
@@ -47,7 +48,7 @@ pub(crate) struct ShadedHit {
     pub position: Vec3,
     pub n: Vec3,
     pub ng: Vec3,
-    pub extent: f32,
+    pub offset: f32,
     /// The fraction of the ray that meets the surface; the rest goes on.
     pub opacity: f32,
     /// Radiance towards the viewer, cd/m²: emission, or the colour of an unlit surface.
@@ -71,7 +72,7 @@ impl ShadedHit {
             position: self.position,
             n: self.n,
             ng: self.ng,
-            extent: self.extent,
+            offset: self.offset,
             weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
             id,
         }
@@ -88,7 +89,7 @@ impl ShadedHit {
 
     /// A ray from the surface along `direction`.
     pub(crate) fn spawn_ray(&self, direction: Vec3) -> Ray {
-        Ray::new(offset_origin(self.position, self.ng, self.extent, direction), direction)
+        Ray::new(offset_origin(self.position, self.ng, self.offset, direction), direction)
     }
 }
 
@@ -139,35 +140,59 @@ fn evaluate_at(scene: &Scene, ray: &Ray, interaction: &SurfaceInteraction<'_>) -
     let cos_o = (-n.dot(d)).clamp(0.0, 1.0);
     let eta = if interaction.front { 1.0 / material.ior } else { material.ior };
     let cos2_t = 1.0 - eta * eta * (1.0 - cos_o * cos_o);
-    let thin = material.double_sided;
+    let thin = material.double_sided || interaction.sheet;
 
     // Fresnel, by the angle on the thinner side; all of it where nothing can leave a solid.
     let leaving = transmission > 0.0 && !interaction.front && !thin;
-    let fresnel = if leaving && cos2_t <= 0.0 {
-        Vec3::ONE
-    } else {
-        schlick(scene, material, interaction, base, metallic, if leaving { cos2_t.sqrt() } else { cos_o })
+    let specular = Specular::new(scene, material, interaction, base, metallic);
+    let fresnel = match transmission {
+        0.0 => specular.schlick(cos_o),
+        _ if leaving && cos2_t <= 0.0 => Vec3::ONE,
+        _ => specular.dielectric(if leaving { cos2_t.sqrt() } else { cos_o }),
     };
+    // A sheet stands for both faces of a pane.
+    let glass = if interaction.sheet { Vec3::ONE - specular.pane_transmittance(cos_o) } else { fresnel };
 
     // Share what is not reflected between diffuse reflection and transmission.
     let refracted = if thin || cos2_t <= 0.0 { d } else { d * eta + n * (eta * cos_o - cos2_t.sqrt()) };
-    let below = (1.0 - metallic) * (Vec3::ONE - fresnel) * base;
+    let below = (1.0 - metallic) * base;
     ShadedHit {
-        diffuse: below * (1.0 - transmission),
-        mirror: fresnel,
-        refraction: below * transmission,
+        diffuse: below * (Vec3::ONE - fresnel) * (1.0 - transmission),
+        mirror: fresnel.lerp(glass, transmission),
+        refraction: below * (Vec3::ONE - glass) * transmission,
         refracted,
         ..lambert
     }
 }
 
 /// The part of a shadow ray's light, by channel, that passes a surface which is not opaque.
+///
+/// The ray goes straight on where a real one is bent twice. Through a pane with parallel faces both meet each face at
+/// the same outer angle, so a face of a solid passes the root of what the whole pane does, and a sheet all of it.
 pub(crate) fn shadow_transmittance(scene: &Scene, ray: &Ray, hit: &Hit) -> Vec3 {
+    // What passes beside the surface, coloured by it.
     let interaction = intersect_geometry(scene, ray, hit);
-    let base = base_color(scene, &scene.data().materials[interaction.material], &interaction).truncate();
-    let surface = evaluate_at(scene, ray, &interaction);
-    let passed = (1.0 - surface.opacity) * Vec3::ONE.lerp(base, surface.opacity);
-    passed + surface.opacity * surface.refraction
+    let material = &scene.data().materials[interaction.material];
+    let base = base_color(scene, material, &interaction);
+    let opacity = material_opacity(material, base.w);
+    let base = base.truncate();
+    let passed = (1.0 - opacity) * Vec3::ONE.lerp(base, opacity);
+    if material.transmission == 0.0 || material.unlit {
+        return passed;
+    }
+
+    // What passes through it.
+    let metallic = material.metallic * linear_texture(scene, material.metallic_roughness_texture, &interaction).z;
+    let transmission = material.transmission * linear_texture(scene, material.transmission_texture, &interaction).x;
+    let cos = bumped_normal(scene, material, &interaction).dot(ray.direction.normalize()).abs().min(1.0);
+    let pane = Specular::new(scene, material, &interaction, base, metallic).pane_transmittance(cos);
+    let face = if interaction.sheet { pane } else { pane.map(f32::sqrt) };
+    passed + base * face * (opacity * (1.0 - metallic) * transmission)
+}
+
+/// Whether a ray enters or leaves, and which material it meets: two crossings at one place that agree in these are one.
+pub(crate) fn crossing_kind(scene: &Scene, ray: &Ray, hit: &Hit) -> (usize, bool) {
+    (material_of(scene, hit), intersect_geometry(scene, ray, hit).front)
 }
 
 /// Whether the surface that was hit stops every shadow ray.
@@ -187,7 +212,11 @@ fn material_of(scene: &Scene, hit: &Hit) -> usize {
 
 /// Whether the ray met the back of a single-sided surface, as it does inside a solid.
 pub(crate) fn is_back_face(scene: &Scene, ray: &Ray, hit: &Hit) -> bool {
-    !scene.data().materials[material_of(scene, hit)].double_sided && !intersect_geometry(scene, ray, hit).front
+    if scene.data().materials[material_of(scene, hit)].double_sided {
+        return false;
+    }
+    let interaction = intersect_geometry(scene, ray, hit);
+    !interaction.front && !interaction.sheet
 }
 
 /// A surface that neither emits nor reflects.
@@ -196,7 +225,7 @@ fn plain(interaction: &SurfaceInteraction<'_>, n: Vec3, opacity: f32) -> ShadedH
         position: interaction.position,
         n,
         ng: interaction.ng,
-        extent: interaction.extent,
+        offset: interaction.offset,
         opacity,
         emission: Vec3::ZERO,
         illuminating: Vec3::ZERO,
@@ -207,23 +236,55 @@ fn plain(interaction: &SurfaceInteraction<'_>, n: Vec3, opacity: f32) -> ShadedH
     }
 }
 
-/// Schlick's approximation with glTF's F0 and F90 (see [`Material`]).
-fn schlick(
-    scene: &Scene,
-    material: &Material,
-    interaction: &SurfaceInteraction<'_>,
-    base: Vec3,
-    metallic: f32,
-    cos: f32,
-) -> Vec3 {
-    let specular = material.specular * linear_texture(scene, material.specular_texture, interaction).w;
-    let color = material.specular_color * color_texture(scene, material.specular_color_texture, interaction).truncate();
-    let ratio = (material.ior - 1.0) / (material.ior + 1.0);
-    let f0 = ((ratio * ratio * color).min(Vec3::ONE) * specular).lerp(base, metallic);
-    let f90 = Vec3::splat(specular + (1.0 - specular) * metallic);
-    let m = (1.0 - cos).clamp(0.0, 1.0);
-    let m5 = m * m * m * m * m;
-    f0 + (f90 - f0) * m5
+/// A specular lobe's reflectance at normal and at grazing incidence, as glTF has it (see [`Material`]).
+struct Specular {
+    f0: Vec3,
+    f90: Vec3,
+    ior: f32,
+}
+
+impl Specular {
+    fn new(
+        scene: &Scene,
+        material: &Material,
+        interaction: &SurfaceInteraction<'_>,
+        base: Vec3,
+        metallic: f32,
+    ) -> Self {
+        let specular = material.specular * linear_texture(scene, material.specular_texture, interaction).w;
+        let color =
+            material.specular_color * color_texture(scene, material.specular_color_texture, interaction).truncate();
+        let f0 = ((f0_of(material.ior) * color).min(Vec3::ONE) * specular).lerp(base, metallic);
+        let f90 = Vec3::splat(specular + (1.0 - specular) * metallic);
+        Self { f0, f90, ior: material.ior }
+    }
+
+    /// Schlick's approximation.
+    fn schlick(&self, cos: f32) -> Vec3 {
+        let m = (1.0 - cos).clamp(0.0, 1.0);
+        let m5 = m * m * m * m * m;
+        self.f0 + (self.f90 - self.f0) * m5
+    }
+
+    /// Fresnel's equations, their values at normal and at grazing incidence replaced by those of the lobe.
+    fn dielectric(&self, cos: f32) -> Vec3 {
+        let (normal, reflectance) = (f0_of(self.ior), Reflectances::new(cos, self.ior).mean());
+        self.f0 + (self.f90 - self.f0) * ((reflectance - normal) / (1.0 - normal))
+    }
+
+    /// What passes both faces of a pane, with all reflections between them.
+    fn pane_transmittance(&self, cos: f32) -> Vec3 {
+        let reflectances = Reflectances::new(cos, self.ior);
+        let mean = reflectances.mean();
+        // Scale both polarisations as the lobe scales their mean.
+        self.dielectric(cos).map(|f| reflectances.pane_transmittance(if mean > 0.0 { f / mean } else { 1.0 }))
+    }
+}
+
+/// The reflectance of a dielectric at normal incidence.
+fn f0_of(ior: f32) -> f32 {
+    let ratio = (ior - 1.0) / (ior + 1.0);
+    ratio * ratio
 }
 
 fn material_opacity(material: &Material, alpha: f32) -> f32 {

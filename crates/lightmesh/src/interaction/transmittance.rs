@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::surface::{is_opaque, shadow_transmittance};
+use super::surface::{crossing_kind, is_opaque, shadow_transmittance};
 use crate::bvh::Hit;
 use crate::geometry::Ray;
 use crate::world::Scene;
@@ -45,13 +45,17 @@ fn transmittance(scene: &Scene, ray: &Ray, crossings: &mut Vec<Hit>) -> Vec3 {
     // Multiply in the order of the ray, so that the product does not depend on the traversal's.
     crossings.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.target.cmp(&b.target)));
 
-    let (mut passed, mut last) = (Vec3::ONE, f32::NEG_INFINITY);
+    let (mut passed, mut last) = (Vec3::ONE, None);
     for hit in crossings.iter() {
         // A ray through an edge meets both of its triangles, but crosses the surface once.
-        if hit.t - last > SAME_CROSSING * hit.t.abs() {
+        let again = |last: &Hit| {
+            hit.t - last.t <= SAME_CROSSING * hit.t.abs()
+                && crossing_kind(scene, ray, last) == crossing_kind(scene, ray, hit)
+        };
+        if !last.is_some_and(again) {
             passed *= shadow_transmittance(scene, ray, hit);
         }
-        last = hit.t;
+        last = Some(hit);
     }
     passed
 }

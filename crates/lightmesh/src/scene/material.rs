@@ -32,11 +32,15 @@ pub enum AlphaMode {
 /// - rougher: no mirror; Lambert of the base colour, metals included. `specular` = 0 is exactly Lambert at any
 ///   roughness.
 /// - transmission (at any roughness, seen sharp): the refracted direction carries baseColor · (1 − metallic) ·
-///   transmission · (1 − F). A `double_sided` surface is a thin sheet with no inside: its ray goes on unbent.
+///   transmission · (1 − F), with F = F0 + (F90 − F0) (R − R0) / (1 − R0), R Fresnel's reflectance for the index of
+///   refraction. A `double_sided` surface has no inside: its ray goes on unbent. So does that of a sheet, a surface that
+///   encloses nothing; it stands for both faces of a thin pane, and 1 − F becomes the mean over both polarisations of
+///   (1 − F) / (1 + F).
 /// - alpha: BLEND covers the fraction alpha, the ray goes on with the rest; MASK is there or not.
 ///
 /// Shadow rays go straight through surfaces that are not opaque, and take on their colour: a BLEND surface transmits
-/// (1 − α) · mix(1, baseColor, α), a transmissive one what it would refract. Caustics are not followed.
+/// (1 − α) · mix(1, baseColor, α), a sheet of glass what a pane passes at that angle, and each face of a solid the root
+/// of it. Caustics are not followed.
 ///
 /// Both sides of a surface shade and block light alike.
 #[derive(Clone, Debug)]

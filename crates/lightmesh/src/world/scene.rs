@@ -3,8 +3,9 @@
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
+use super::sheets::sheets;
 use crate::Error;
-use crate::bvh::{SceneBvh, Target};
+use crate::bvh::{SceneBvh, Target, flattened_meshes};
 use crate::geometry::Aabb;
 use crate::light::{Emitters, LightSamples};
 use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
@@ -16,6 +17,7 @@ pub struct Scene {
     data: SceneData,
     bvh: SceneBvh,
     instance_frames: Vec<InstanceFrame>,
+    sheets: Vec<Option<Box<[bool]>>>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
     mipmaps: Vec<Mipmap>,
@@ -36,6 +38,9 @@ pub(crate) struct InstanceFrame {
     pub handedness: f32,
     /// Whether object space is world space.
     pub is_identity: bool,
+    /// How much the transform to object space and back may amplify a rounding error, 1 for a rotation; 0 for meshes
+    /// that rays meet in world space.
+    pub amplification: f32,
 }
 
 impl Scene {
@@ -60,6 +65,7 @@ impl Scene {
             return Err(Error::EmptyScene);
         }
         // Invert the instances' transforms.
+        let flat = flattened_meshes(&data);
         let frames = data
             .instances
             .iter()
@@ -70,6 +76,7 @@ impl Scene {
                     normal_from_object: cofactor(m),
                     handedness,
                     is_identity: instance.world_from_object == glam::Affine3A::IDENTITY,
+                    amplification: if flat[instance.mesh] { 0.0 } else { amplification(m) },
                 }
             })
             .collect();
@@ -87,6 +94,7 @@ impl Scene {
             mipmaps,
             all_opaque,
             all_double_sided,
+            sheets: sheets(&data),
             data,
             bvh,
             instance_frames: frames,
@@ -151,6 +159,13 @@ impl Scene {
         &self.instance_frames[instance as usize]
     }
 
+    /// Whether a triangle is part of a sheet: a transmissive surface that encloses nothing, and so stands for both faces
+    /// of a thin pane.
+    #[inline(always)]
+    pub(crate) fn is_sheet(&self, instance: u32, triangle: u32) -> bool {
+        self.sheets[instance as usize].as_ref().is_some_and(|sheet| sheet[triangle as usize])
+    }
+
     /// Whether any texture is averaged over footprints.
     pub(crate) fn averages_textures(&self) -> bool {
         self.data.materials.iter().any(|material| material.has_averaged_textures())
@@ -202,6 +217,14 @@ impl Scene {
 /// inverse.
 fn cofactor(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+}
+
+/// Returns how much m · m⁻¹ may amplify a rounding error: ‖ |m| |m⁻¹| ‖∞ / 3, at least 1 (Higham, *Accuracy and
+/// Stability of Numerical Algorithms*, section 7.2).
+fn amplification(m: Mat3) -> f32 {
+    let abs = |m: Mat3| Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let product = abs(m) * abs(m.as_dmat3().inverse().as_mat3());
+    ((product * Vec3::ONE).max_element() / 3.0).max(1.0)
 }
 
 fn is_opaque(material: &Material) -> bool {
