@@ -2,6 +2,7 @@
 
 pub(crate) mod encoding;
 mod exact;
+mod few_rays;
 mod field;
 mod fill;
 mod per_light;

@@ -236,6 +236,7 @@ impl IndirectField {
             bounce_values: vec![Vec::new(); self.bounce_values.len()],
             gather_hit_irradiance: (0.0, 0),
             max_memory: self.max_memory,
+            spots: self.spots.clone(),
         }
     }
 }

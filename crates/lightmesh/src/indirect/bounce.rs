@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::field::{CubeFaces, IndirectField};
 use super::gather::{GatherRays, seed_of_point, sphere_directions};
+use super::guided::GuidedRays;
 use crate::direct::DirectLighting;
 use crate::mesh::{
     Address, AmbientCube, CornerVisibility, Costs, Marks, PROBE_RAYS, Points, ReadResult, choose, probe,
@@ -191,18 +192,30 @@ impl IndirectField {
             let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
+        let guided = self.guide(direct, batch)?;
         // Sum what arrives at each point.
-        for gather in batch {
+        for (i, gather) in batch.iter_mut().enumerate() {
+            let guided = guided.get(i);
             let (mut emission, mut first) = ([Vec4::ZERO; 6], [Vec4::ZERO; 6]);
             for &(ray, radiance) in &gather.emitted {
-                self.splat(&mut emission, gather.lobes[ray as usize], radiance);
+                let weight = guided.map_or(1.0, |guided| guided.weight(ray));
+                self.splat(&mut emission, gather.lobes[ray as usize], radiance * weight);
             }
             if self.reflects_light() {
                 for (hit, &irradiance) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
-                    self.splat(&mut first, gather.lobes[hit.id as usize], hit.weight * irradiance);
+                    let weight = guided.map_or(1.0, |guided| guided.weight(hit.id));
+                    self.splat(&mut first, gather.lobes[hit.id as usize], hit.weight * irradiance * weight);
                     self.gather_hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
                 }
                 self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
+            }
+            if let Some(GuidedRays { rays, .. }) = guided {
+                for &(ray, radiance) in &rays.emitted {
+                    self.splat(&mut emission, rays.lobes[ray as usize], radiance);
+                }
+                for (hit, &irradiance) in rays.hits.vertices.iter().zip(&rays.hits.direct) {
+                    self.splat(&mut first, rays.lobes[hit.id as usize], hit.weight * irradiance);
+                }
             }
             let faces = self.faces.count();
             pending.emission.extend_from_slice(&emission[..faces]);
@@ -210,6 +223,24 @@ impl IndirectField {
             gather.take_counts(direct);
         }
         Ok(())
+    }
+
+    /// Shoots the rays to bright spots of some points, whose even rays have their light, and lights them.
+    fn guide(&self, direct: &mut DirectLighting<'_, '_>, batch: &[GatherRays]) -> Result<Vec<GuidedRays>, Error> {
+        if self.spots.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (scene, options) = (direct.scene, direct.options);
+        let shoot = |even: &GatherRays| GuidedRays::shoot(scene, options, &self.spots, even);
+        let mut guided: Vec<GuidedRays> = batch.par_iter().map(shoot).collect();
+        if !self.reflects_light() {
+            guided.iter_mut().for_each(|guided| guided.rays.hits.vertices.clear());
+        }
+        let mut lists: Vec<_> = guided.iter_mut().map(|guided| &mut guided.rays.hits).collect();
+        let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
+        direct.stats.seconds.fill_direct += seconds.fill;
+        guided.iter_mut().for_each(|guided| guided.rays.take_counts(direct));
+        Ok(guided)
     }
 
     /// Adds radiance that arrives along a ray to the cube faces that it reaches.

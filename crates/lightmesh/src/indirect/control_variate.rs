@@ -19,7 +19,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{IndirectField, IndirectReading};
-use super::gather::{GatherRays, HemisphereRays, Strata};
+use super::gather::{GatherRays, HemisphereRays};
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;
@@ -31,10 +31,31 @@ use crate::sampling::{hash, seed_of_surface, unit_f32};
 /// others.
 const GO_ON: std::ops::RangeInclusive<f32> = 0.05..=0.95;
 
-/// Surface points whose rays are alive at a time, and rays that make a list. Empirical: a list for each surface took
-/// twice the time.
-const AT_ONCE: usize = 1 << 14;
+/// Rays that are alive at a time, and rays that make a list. Empirical: a list for each surface took twice the time.
+const AT_ONCE: usize = 1 << 16;
 const RAYS: usize = 256;
+
+/// Where paths go on from the surfaces at which their rays end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GoOn {
+    /// Everywhere, to correct the mesh.
+    Everywhere,
+    /// Where no mesh point can be read: what is read counts as it is.
+    WithoutMesh,
+    /// Nowhere.
+    Nowhere,
+}
+
+/// The indirect light at a surface, as paths have found it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathSum {
+    /// Irradiance, lux.
+    pub irradiance: Vec3,
+    /// The rays that ended at a surface for which a mesh point can be read.
+    pub read: u32,
+    /// The part of an even irradiance at those surfaces that would come back.
+    pub gap: Vec3,
+}
 
 /// The paths that estimate the indirect light at a surface.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +66,7 @@ pub(crate) struct GatherPaths {
     pub rays: u32,
     /// Other seeds give other rays.
     pub seed: u64,
+    pub go_on: GoOn,
 }
 
 impl IndirectField {
@@ -59,15 +81,30 @@ impl IndirectField {
         points: &[ShadingPoint],
         paths: GatherPaths,
     ) -> Result<Vec<Vec3>, Error> {
-        let mut irradiance = Vec::with_capacity(points.len());
+        let sums = self.follow_paths(direct, marks, points, paths)?;
+        Ok(sums.into_iter().map(|sum| sum.irradiance).collect())
+    }
+
+    /// Estimates the indirect irradiance at each of the points by paths.
+    ///
+    /// # Errors
+    /// As [`IndirectField::fill`].
+    pub(super) fn follow_paths(
+        &mut self,
+        direct: &mut DirectLighting<'_, '_>,
+        marks: &mut Marks,
+        points: &[ShadingPoint],
+        paths: GatherPaths,
+    ) -> Result<Vec<PathSum>, Error> {
+        let mut all: Vec<PathSum> = Vec::with_capacity(points.len());
         if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_unsampled_emitters()) {
-            irradiance.resize(points.len(), Vec3::ZERO);
-            return Ok(irradiance);
+            all.resize(points.len(), PathSum::default());
+            return Ok(all);
         }
-        let rays = HemisphereRays { count: paths.rays, seed: paths.seed, strata: Strata::Jittered };
+        let rays = HemisphereRays { count: paths.rays, seed: paths.seed };
         let together = (RAYS / paths.rays as usize).max(1);
         let mut gathers: Vec<GatherRays> = Vec::new();
-        for chunk in points.chunks(AT_ONCE) {
+        for chunk in points.chunks((AT_ONCE / paths.rays as usize).max(1)) {
             // Shoot the rays of several points as one list.
             let lists = chunk.len().div_ceil(together);
             gathers.resize_with(gathers.len().max(lists), GatherRays::default);
@@ -89,16 +126,23 @@ impl IndirectField {
             // Sum what arrives at each point.
             let mut indirect = indirect.as_slice();
             for (gather, points) in batch.iter_mut().zip(chunk.chunks(together)) {
-                let first = irradiance.len();
-                irradiance.resize(first + points.len(), Vec3::ZERO);
-                let sums = &mut irradiance[first..];
-                let mut add = |ray: u32, radiance: Vec3| {
-                    sums[(ray / paths.rays) as usize] += radiance * gather.lobes[ray as usize].x;
-                };
-                gather.emitted.iter().for_each(|&(ray, radiance)| add(ray, radiance));
-                let (own, others) = indirect.split_at(gather.hits.vertices.len());
-                for ((hit, &direct), &indirect) in gather.hits.vertices.iter().zip(&gather.hits.direct).zip(own) {
-                    add(hit.id, hit.weight * (direct + indirect));
+                let first = all.len();
+                all.resize(first + points.len(), PathSum::default());
+                let sums = &mut all[first..];
+                let of = |ray: u32| (ray / paths.rays) as usize;
+                let lobe = |ray: u32| gather.lobes[ray as usize].x;
+                for &(ray, radiance) in &gather.emitted {
+                    sums[of(ray)].irradiance += radiance * lobe(ray);
+                }
+                let (own, others) = indirect.split_at(gather.hits.vertices.len().min(indirect.len()));
+                let indirect_of = |i: usize| own.get(i).copied().unwrap_or_default();
+                for (i, (hit, &direct)) in gather.hits.vertices.iter().zip(&gather.hits.direct).enumerate() {
+                    let (sum, found) = (&mut sums[of(hit.id)], indirect_of(i));
+                    sum.irradiance += hit.weight * (direct + found.irradiance) * lobe(hit.id);
+                    sum.read += found.read;
+                    if found.read == 0 {
+                        sum.gap += hit.weight * lobe(hit.id);
+                    }
                 }
                 indirect = others;
                 gather.take_counts(direct);
@@ -107,7 +151,7 @@ impl IndirectField {
                 return Err(Error::Cancelled);
             }
         }
-        Ok(irradiance)
+        Ok(all)
     }
 
     /// Estimates the indirect irradiance at each hit of each gather: what the mesh says, corrected by the rays that go
@@ -118,28 +162,34 @@ impl IndirectField {
         marks: &mut Marks,
         batch: &[GatherRays],
         paths: GatherPaths,
-    ) -> Result<Vec<Vec3>, Error> {
+    ) -> Result<Vec<PathSum>, Error> {
         let Some(bounces) = paths.bounces.checked_sub(1) else { return Ok(Vec::new()) };
         // Read the mesh everywhere, and let some hits go on, with probability q.
         let mut readings = self.read_hits(direct, marks, batch, bounces)?.into_iter();
         let (mut estimates, mut going_on, mut corrections) = (Vec::new(), Vec::new(), Vec::new());
         for hit in batch.iter().flat_map(|gather| &gather.hits.vertices) {
             let reading = readings.next().flatten();
+            let (irradiance, read) = (reading.unwrap_or_default(), u32::from(reading.is_some()));
+            estimates.push(PathSum { irradiance, read, gap: Vec3::ZERO });
+            match paths.go_on {
+                GoOn::Everywhere => {}
+                GoOn::WithoutMesh if reading.is_none() => {}
+                GoOn::WithoutMesh | GoOn::Nowhere => continue,
+            }
             let q = (PI * hit.weight.max_element()).clamp(*GO_ON.start(), *GO_ON.end());
             // Not the numbers that the rays' directions are made of.
             if unit_f32(hash(seed_of_surface(!paths.seed, hit.position))) < q {
                 going_on.push(*hit);
-                corrections.push((estimates.len(), q));
+                corrections.push((estimates.len() - 1, q));
             }
-            estimates.push(reading.unwrap_or_default());
         }
 
         // Replace the mesh's M by M + (U − M) / q where a ray has gone on.
         let paths = GatherPaths { bounces, rays: 1, ..paths };
         let found = self.estimate_unbiased(direct, marks, &going_on, paths)?;
         for ((index, q), u) in corrections.into_iter().zip(found) {
-            let m = estimates[index];
-            estimates[index] = m + (u - m) / q;
+            let m = estimates[index].irradiance;
+            estimates[index].irradiance = m + (u - m) / q;
         }
         Ok(estimates)
     }

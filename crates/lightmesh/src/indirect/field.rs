@@ -11,6 +11,7 @@
 
 use glam::{Vec3, Vec4};
 
+use super::bright_spots::BrightSpots;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Lattice, Marks, Points, ReadResult};
 use crate::{MeshStats, RenderOptions, Scene};
@@ -29,6 +30,8 @@ pub(crate) struct IndirectField {
     /// Sum and number of the direct irradiances at gather hits (mean over channels).
     pub(crate) gather_hit_irradiance: (f64, u64),
     pub(crate) max_memory: u64,
+    /// Where gather rays look for light beside the even ones.
+    pub(crate) spots: BrightSpots,
 }
 
 /// What a point keeps of a bounce.
@@ -66,10 +69,19 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(crate) fn new(lattices: Vec<Lattice>, interpolator: Interpolator, options: &RenderOptions) -> Self {
+    pub(crate) fn new(
+        scene: &Scene,
+        lattices: Vec<Lattice>,
+        interpolator: Interpolator,
+        options: &RenderOptions,
+    ) -> Self {
+        // The paper's rays are even.
+        let faces = CubeFaces::of(options);
+        let spots = if faces == CubeFaces::Six { BrightSpots::find(scene) } else { BrightSpots::default() };
         Self {
+            spots,
             points: Points::new(lattices, interpolator),
-            faces: CubeFaces::of(options),
+            faces,
             gather_rays: options.mesh.gather_rays,
             depth: options.transport.depth,
             seed: options.seed,

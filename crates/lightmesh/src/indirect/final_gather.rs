@@ -1,20 +1,37 @@
 //! Indirect light at surfaces that no mesh point can serve: gather rays from the surface itself.
+//!
+//! Where a ray ends the mesh is read. Where that fails again, as everywhere inside a box whose faces are turned inside
+//! out, the ray goes on as *one* path: rays that shot as many rays in their turn took 36 to 360 times as long as `path`.
+
+use std::f32::consts::PI;
 
 use glam::Vec3;
-use rayon::prelude::*;
 
-use super::field::{IndirectField, IndirectReading};
-use super::gather::{GatherRays, HemisphereRays, Strata};
+use super::control_variate::{GatherPaths, GoOn};
+use super::field::IndirectField;
 use crate::Error;
 use crate::direct::DirectLighting;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{CornerVisibility, Marks};
+use crate::mesh::Marks;
+use crate::sampling::{seed_of_surface, unit_f32};
 
-/// Rays per surface point: each of them is as good as a path, but pixels have several samples.
+/// Rays per surface point for a picture's truth: pixels have several samples.
 const RAYS: u32 = 64;
 
-/// Surface points whose rays are alive at a time.
-const AT_ONCE: usize = 1024;
+/// Most rays from a surface of the picture that no mesh point can serve; those that count for less in the picture,
+/// behind several panes of glass, get fewer, one at least.
+const FIRST_RAYS: u32 = 4;
+
+/// How many times as many where some of the surfaces that they find can be read: in a narrow gap, or at a seam. Then
+/// they are as good as a mesh point's, and end there. The others lie in the same gap as the point, and are taken to
+/// receive what it does.
+const MORE: u32 = 8;
+
+/// Surfaces that count for less than this are left out by chance, and the others count for more.
+const LEAST_SHARE: f32 = 0.1;
+
+/// What other rays are seeded with.
+const OTHER_RAYS: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl IndirectField {
     /// Computes the indirect irradiance at each of the points after so many `bounces`: formula (4) over their own
@@ -30,75 +47,59 @@ impl IndirectField {
         bounces: u32,
         seed: u64,
     ) -> Result<Vec<Vec3>, Error> {
-        let mut irradiance = Vec::with_capacity(points.len());
-        let mut gathers: Vec<GatherRays> = Vec::new();
-        let rays = HemisphereRays { count: RAYS, seed, strata: Strata::Centered };
-        for chunk in points.chunks(AT_ONCE) {
-            // Shoot the rays of each point.
-            gathers.resize_with(gathers.len().max(chunk.len()), GatherRays::default);
-            let batch = &mut gathers[..chunk.len()];
-            let (scene, options) = (direct.scene, direct.options);
-            batch.par_iter_mut().zip(chunk).for_each(|(gather, point)| {
-                gather.hemispheres(scene, options, std::slice::from_ref(point), rays);
-                if bounces == 0 {
-                    gather.hits.vertices.clear();
-                }
-            });
-
-            // Light the surfaces where they end, and sum what arrives.
-            let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
-            direct.stats.seconds.fill_direct += seconds.fill;
-            irradiance.extend(self.sum_arriving(direct, marks, batch, bounces)?);
-            for gather in batch {
-                gather.take_counts(direct);
-            }
-            if direct.reporter.cancelled() {
-                return Err(Error::Cancelled);
-            }
-        }
-        Ok(irradiance)
+        let paths = GatherPaths { bounces, rays: RAYS, seed, go_on: GoOn::WithoutMesh };
+        self.estimate_unbiased(direct, marks, points, paths)
     }
 
-    /// Sums the light that arrives along each point's rays. Hits that cannot read the mesh in their turn lie in the
-    /// same gap as the point, and are taken to receive what it does: I = S + ρI, summed bounce by bounce.
-    fn sum_arriving(
+    /// Computes the indirect irradiance at points of the picture that cannot read the mesh: few rays where what they
+    /// find cannot read it either, more elsewhere. Each point's rays depend on it alone.
+    ///
+    /// # Errors
+    /// As [`IndirectField::fill`].
+    pub(crate) fn gather_without_mesh(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        batch: &[GatherRays],
+        points: &[ShadingPoint],
         bounces: u32,
+        seed: u64,
     ) -> Result<Vec<Vec3>, Error> {
-        // Read the mesh and fill it, until no hit waits.
-        loop {
-            let field = &*self;
-            let sums: Vec<(Option<Vec3>, u64)> = batch
-                .par_iter()
-                .map(|gather| {
-                    let mut reader =
-                        field.reader(direct.scene, bounces.saturating_sub(1), CornerVisibility::Stochastic);
-                    let lobe = |ray: u32| gather.lobes[ray as usize].x;
-                    let mut sum: Vec3 = gather.emitted.iter().map(|&(ray, radiance)| radiance * lobe(ray)).sum();
-                    let (mut gap, mut complete) = (Vec3::ZERO, true);
-                    for (hit, &direct) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
-                        let weight = hit.weight * lobe(hit.id);
-                        sum += weight * direct;
-                        match reader.read(hit, marks) {
-                            IndirectReading::Irradiance(irradiance) => sum += weight * irradiance,
-                            IndirectReading::Unavailable => gap += weight,
-                            IndirectReading::Pending => complete = false,
-                        }
-                    }
-                    let sum = geometric_series(gap, bounces) * sum;
-                    (complete.then_some(sum), reader.visibility_rays())
-                })
-                .collect();
-            direct.stats.rays.secondary += sums.iter().map(|s| s.1).sum::<u64>();
-            if let Some(sums) = sums.iter().map(|s| s.0).collect() {
-                return Ok(sums);
+        // Leave out some of those that hardly count.
+        let mut irradiance = vec![Vec3::ZERO; points.len()];
+        let mut by_count: [Vec<usize>; FIRST_RAYS as usize] = Default::default();
+        let share = |point: &ShadingPoint| PI * point.weight.max_element();
+        for (i, point) in points.iter().enumerate() {
+            let share = share(point);
+            if unit_f32(seed_of_surface(seed ^ OTHER_RAYS, point.position)) * LEAST_SHARE < share {
+                let count = (share * FIRST_RAYS as f32).ceil().clamp(1.0, FIRST_RAYS as f32);
+                by_count[count as usize - 1].push(i);
             }
-            self.fill(direct, marks)?;
         }
+
+        for (rays, chosen) in (1..).zip(by_count) {
+            // Shoot a few rays from each point.
+            let paths = GatherPaths { bounces, rays, seed, go_on: GoOn::WithoutMesh };
+            let some: Vec<ShadingPoint> = chosen.iter().map(|&i| points[i]).collect();
+            let sums = self.follow_paths(direct, marks, &some, paths)?;
+
+            for (&i, sum) in chosen.iter().zip(&sums) {
+                irradiance[i] = sum.irradiance;
+            }
+
+            // Shoot more instead where that is cheap: I = S + ρI, summed bounce by bounce.
+            let readable: Vec<usize> = (0..some.len()).filter(|&i| sums[i].read > 0).collect();
+            let again: Vec<ShadingPoint> = readable.iter().map(|&i| some[i]).collect();
+            let paths = GatherPaths { rays: MORE * rays, seed: seed ^ OTHER_RAYS, go_on: GoOn::Nowhere, ..paths };
+            for (&k, sum) in readable.iter().zip(self.follow_paths(direct, marks, &again, paths)?) {
+                irradiance[chosen[k]] = sum.irradiance * geometric_series(sum.gap, bounces);
+            }
+
+            // Make up for those that are left out.
+            for &i in &chosen {
+                irradiance[i] /= (share(&points[i]) / LEAST_SHARE).min(1.0);
+            }
+        }
+        Ok(irradiance)
     }
 }
 

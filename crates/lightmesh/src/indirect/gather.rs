@@ -12,13 +12,16 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 use crate::bvh::Hit;
 use crate::direct::{DirectLighting, ShadingBatch};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{Lobe, PathRay, ShadingPoint, evaluate};
+use crate::interaction::{Lobe, PathRay, ShadingPoint, SpecularLobe, evaluate};
 use crate::mesh::Address;
 use crate::sampling::{basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32};
 use crate::{RenderOptions, Scene};
 
 /// 1 / golden ratio in units of 2⁻³².
 const INV_GOLDEN: u32 = 2_654_435_769;
+
+/// What a mirror reflects at least.
+const MIRROR: f32 = 0.5;
 
 /// The rays of one mesh point or surface, and what they found; buffers are kept from use to use.
 #[derive(Debug, Default)]
@@ -45,7 +48,6 @@ pub(super) struct HemisphereRays {
     pub count: u32,
     /// Other seeds give other rays.
     pub seed: u64,
-    pub strata: Strata,
 }
 
 /// `count` directions evenly spread over the sphere: the spherical Fibonacci lattice (Keinert et al., "Spherical
@@ -72,15 +74,6 @@ fn octahedral_morton(d: Vec3) -> u32 {
     let cell = |x: f32| ((x * 0.5 + 0.5) * 255.0) as u32;
     let (x, y) = (cell(folded(p.x, p.y)), cell(folded(p.y, p.x)));
     (0..8).map(|bit| (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)).sum()
-}
-
-/// Where in its stratum of the hemisphere's height a ray lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Strata {
-    /// In the middle: least noise where there are many.
-    Centered,
-    /// Anywhere in it: the expectation is exact.
-    Jittered,
 }
 
 /// The seed of a mesh point.
@@ -129,9 +122,38 @@ impl GatherRays {
         for d in &mut self.lobes {
             *d *= Vec3::select(d.cmpge(Vec3::ZERO), positive, negative);
         }
-        self.seeds.clear();
-        self.seeds.extend((0..directions.len() as u32).map(|i| hash(seed ^ hash(i))));
+        self.seed_rays(seed);
         self.trace(scene, options);
+    }
+
+    /// Shoots rays from a mesh point in some directions, which are their lobes.
+    pub(super) fn towards(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
+        self.lobes.clear();
+        self.lobes.extend_from_slice(directions);
+        self.batch.clear();
+        self.batch.extend(directions.iter().map(|&d| Ray::new(x, d)));
+        self.seed_rays(seed);
+        self.trace(scene, options);
+    }
+
+    fn seed_rays(&mut self, seed: u32) {
+        self.seeds.clear();
+        self.seeds.extend((0..self.batch.len() as u32).map(|i| hash(seed ^ hash(i))));
+    }
+
+    /// The unit directions of its rays.
+    pub(super) fn directions(&self) -> impl Iterator<Item = Vec3> {
+        self.batch.iter().map(|ray| ray.direction)
+    }
+
+    /// Where the rays of a mesh point start.
+    pub(super) fn origin(&self) -> Option<Vec3> {
+        self.batch.first().map(|ray| ray.origin)
+    }
+
+    /// What other rays of the same point are seeded with.
+    pub(super) fn seed(&self) -> u32 {
+        self.seeds.first().map_or(0, |&seed| hash(!seed))
     }
 
     /// Shoots rays from each of some points, in proportion to the cosine. Lobes: π / count, in x.
@@ -142,7 +164,7 @@ impl GatherRays {
         points: &[ShadingPoint],
         rays: HemisphereRays,
     ) {
-        let HemisphereRays { count, seed, strata } = rays;
+        let HemisphereRays { count, seed } = rays;
         self.lobes.clear();
         self.lobes.resize(points.len() * count as usize, Vec3::X * (PI / count as f32));
         self.batch.clear();
@@ -151,10 +173,8 @@ impl GatherRays {
             let seed = seed_of_surface(seed, point.position);
             let (t, b) = basis(point.n);
             for i in 0..count {
-                let height = match strata {
-                    Strata::Centered => 0.5,
-                    Strata::Jittered => unit_f32(hash(seed ^ hash(!i))),
-                };
+                // Anywhere in its stratum of the hemisphere's height: the expectation is exact.
+                let height = unit_f32(hash(seed ^ hash(!i)));
                 let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
                 let direction = t * local.x + b * local.y + point.n * local.z;
@@ -188,6 +208,9 @@ impl GatherRays {
     fn follow(&mut self, scene: &Scene, options: &RenderOptions, id: u32, mut hit: Hit) {
         let mut path = PathRay::new(self.batch[id as usize], Cone::POINT);
         let (mut beta, mut state) = (Vec3::ONE, self.seeds[id as usize]);
+        // Whether it comes by a metal mirror, where no light sample leads. Weak reflections on glass and varnish find
+        // lamps too rarely for a few rays.
+        let mut mirrored = false;
         loop {
             let surface = evaluate(scene, &path.ray, &hit);
             state = hash(state);
@@ -197,7 +220,7 @@ impl GatherRays {
                 path = passed;
             } else {
                 // Add emission that no light sample stands for.
-                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(hit.target) {
+                if surface.illuminating != Vec3::ZERO && (mirrored || scene.is_unsampled(hit.target)) {
                     self.emitted.push((id, beta * surface.illuminating));
                 }
 
@@ -216,12 +239,21 @@ impl GatherRays {
                     }
                     Lobe::Specular(lobe) => {
                         beta *= sample.throughput();
+                        mirrored |= lobe == SpecularLobe::Reflection
+                            && surface.refraction == Vec3::ZERO
+                            && surface.mirror.max_element() >= MIRROR;
                         path = path.spawn(&hit, &surface, lobe);
                     }
                 }
             }
             self.rays += 1;
-            let Some(next) = scene.bvh().closest(&path.ray) else { return };
+            let Some(next) = scene.bvh().closest(&path.ray) else {
+                let sky = if mirrored { scene.environment(path.ray.direction.normalize()) } else { Vec3::ZERO };
+                if sky != Vec3::ZERO {
+                    self.emitted.push((id, beta * sky));
+                }
+                return;
+            };
             hit = next;
         }
     }

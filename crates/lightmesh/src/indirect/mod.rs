@@ -1,12 +1,14 @@
 //! Indirect light: formula (4) at mesh points, bounce by bounce, and formula (6) over them.
 
 mod bounce;
+mod bright_spots;
 mod control_variate;
 mod field;
 mod final_gather;
 mod gather;
+mod guided;
 
 pub(crate) use bounce::{POINTS_AT_ONCE, PendingLight};
-pub(crate) use control_variate::GatherPaths;
+pub(crate) use control_variate::{GatherPaths, GoOn};
 pub(crate) use field::{IndirectField, IndirectReading};
 pub(crate) use gather::{GatherRays, sphere_directions};

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::point_block::PointBlock;
 use crate::direct::{DirectLighting, Indirect, LightingPlan, ShadingBatch};
-use crate::indirect::{GatherPaths, IndirectField};
+use crate::indirect::{GatherPaths, GoOn, IndirectField};
 use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
@@ -80,7 +80,9 @@ fn shade_exactly(context: LightingContext<'_>, blocks: &mut [&mut PointBlock], s
     let LightingContext { scene, options, reporter, .. } = context;
     blocks.par_iter_mut().for_each(|block| {
         if !reporter.cancelled() {
-            block.batch.shade_exactly(scene, scene.emitters().all(), options.transport.falloff);
+            let falloff = options.transport.falloff;
+            block.batch.shade_exactly(scene, scene.emitters().all(), falloff);
+            block.batch.add_mirrored(scene, falloff, CornerVisibility::All);
         }
         block.report(reporter);
     });
@@ -152,13 +154,14 @@ fn add_indirect(
     let irradiance = match direct.plan.indirect {
         Indirect::None | Indirect::Mesh => {
             direct.stats.gather_fallbacks += unresolved.len() as u64;
-            field.final_gather(&mut direct, marks, &unresolved, bounces, seed)?
+            field.gather_without_mesh(&mut direct, marks, &unresolved, bounces, seed)?
         }
         Indirect::FinalGather { seed: other } => {
             field.final_gather(&mut direct, marks, &unresolved, bounces, seed ^ other << 32)?
         }
         Indirect::Unbiased { rays, seed } => {
-            field.estimate_unbiased(&mut direct, marks, &unresolved, GatherPaths { bounces, rays, seed })?
+            let paths = GatherPaths { bounces, rays, seed, go_on: GoOn::Everywhere };
+            field.estimate_unbiased(&mut direct, marks, &unresolved, paths)?
         }
     };
     let mut irradiance = irradiance.into_iter();

@@ -14,7 +14,9 @@ use crate::bvh::Hit;
 use crate::direct::ExactShader;
 use crate::film::{Film, RenderClock, SumOrder, take_samples};
 use crate::geometry::{Cone, Ray};
-use crate::interaction::{Lobe, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint};
+use crate::interaction::{
+    Lobe, MirroredLights, MirroredShader, PathRay, ShadedHit, ShadingPoint, SpecularLobe, evaluate_footprint,
+};
 use crate::light::LightCut;
 use crate::progress::Reporter;
 use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
@@ -165,6 +167,7 @@ pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: ExactShader,
+    mirrored: MirroredShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
     first_hits: FirstHits,
@@ -212,6 +215,7 @@ impl<'a> PathTracer<'a> {
             scene,
             options,
             scratch: ExactShader::default(),
+            mirrored: MirroredShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
             first_hits: FirstHits::default(),
@@ -345,6 +349,11 @@ impl<'a> PathTracer<'a> {
             let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, point);
             self.rays.shadow += rays;
             sum += irradiance;
+        }
+        if !scene.mirrored_lights().is_empty() {
+            let seed = (sampler.choice() * (1 << 24) as f32) as u32;
+            sum += self.mirrored.irradiance(scene, falloff, point, MirroredLights::One { seed });
+            self.rays.shadow += self.mirrored.take_rays();
         }
         sum += self.emitters.area(scene, falloff, point, sampler);
         sum += self.emitters.environment(scene, point, sampler);

@@ -80,7 +80,8 @@ impl LightMesh {
             bounces: options.transport.bounces,
             generation: 0,
             direct: DirectField::new(scene, direct, interpolator, options)?,
-            indirect: indirect.map(|lattices| IndirectField::new(lattices, interpolator.without_rules(), options)),
+            indirect: indirect
+                .map(|lattices| IndirectField::new(scene, lattices, interpolator.without_rules(), options)),
         })
     }
 

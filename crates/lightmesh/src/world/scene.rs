@@ -7,8 +7,11 @@ use super::sheets::sheets;
 use crate::Error;
 use crate::bvh::{SceneBvh, Target, flattened_meshes};
 use crate::geometry::Aabb;
-use crate::light::{Emitters, LightSamples};
-use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
+use crate::light::{Emitters, LightSamples, PlaneMirror, plane_mirrors};
+use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
+
+/// Pairs of a lamp and a plane mirror, at most.
+const MOST_MIRRORED_LIGHTS: usize = 256;
 
 /// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
 /// frames of it.
@@ -20,6 +23,9 @@ pub struct Scene {
     sheets: Vec<Option<Box<[bool]>>>,
     emitters: Emitters,
     emitter_options: EmitterOptions,
+    mirrors: Vec<PlaneMirror>,
+    /// Which lamps are seen in which plane mirrors.
+    mirrored_lights: Vec<(Light, PlaneMirror)>,
     mipmaps: Vec<Mipmap>,
     opaque: Vec<bool>,
     all_opaque: bool,
@@ -84,6 +90,9 @@ impl Scene {
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
+        let mirrors = plane_mirrors(&data);
+        let pairs = mirrors.iter().flat_map(|&mirror| data.lights.iter().map(move |&light| (light, mirror)));
+        let mirrored_lights = pairs.take(MOST_MIRRORED_LIGHTS).collect();
         let mipmaps = build_mipmaps(&data);
         let level = Level::new();
         let all_opaque = opaque.iter().all(|&s| s);
@@ -91,6 +100,8 @@ impl Scene {
         Ok(Self {
             emitters,
             emitter_options,
+            mirrors,
+            mirrored_lights,
             mipmaps,
             all_opaque,
             all_double_sided,
@@ -142,6 +153,16 @@ impl Scene {
     /// The options by which emitters were sampled.
     pub(crate) fn emitter_options(&self) -> &EmitterOptions {
         &self.emitter_options
+    }
+
+    /// Its largest plane mirrors.
+    pub(crate) fn plane_mirrors(&self) -> &[PlaneMirror] {
+        &self.mirrors
+    }
+
+    /// Punctual lights with the plane mirrors in which surfaces may see them.
+    pub(crate) fn mirrored_lights(&self) -> &[(Light, PlaneMirror)] {
+        &self.mirrored_lights
     }
 
     /// The samples of all emitters but those that are left to gather rays.
@@ -201,8 +222,13 @@ impl Scene {
         !self.emitters.area.is_sampled(target)
     }
 
-    /// Whether there are emitters that are not sampled: weak ones, and user-defined shapes.
+    /// Whether rays find emission that light samples do not stand for: that of weak emitters and of user-defined
+    /// shapes, and all that is seen in mirrors.
     pub(crate) fn has_unsampled_emitters(&self) -> bool {
+        let is_mirror = |m: &Material| m.metallic >= 0.5 && !m.is_lambert() && !m.unlit;
+        if self.has_visible_emitters() && self.data.materials.iter().any(is_mirror) {
+            return true;
+        }
         let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
         self.emitters.area.has_weak() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }

@@ -1,0 +1,136 @@
+//! Rays from a mesh point to bright spots, beside its even ones.
+//!
+//! Both kinds may find the same light: where n even rays and n_s rays to each spot s were shot, light along ω counts with
+//! 1 / (n / 4π + Σ n_s p_s(ω)), whichever ray has found it (the balance heuristic: Veach 1997, eq. 9.8). The expectation
+//! stays what it is with even rays alone, wherever the spots are. Only emission and direct light are weighed so: what
+//! comes after further bounces is smooth, and even rays serve it.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use super::bright_spots::{BrightSpot, BrightSpots};
+use super::gather::GatherRays;
+use crate::sampling::{hash, unit_f32};
+use crate::{RenderOptions, Scene};
+
+/// Spots that get rays of a point, at most: the most important ones.
+const MOST_SPOTS: usize = 12;
+
+/// A spot as large as so many of the cells that even rays stand for needs no others.
+const LARGE: f32 = 2.0;
+
+/// A spot gets rays where its noise in even rays would be this part of the light, or more.
+const LEAST_NOISE: f32 = 0.02;
+
+/// Rays to a spot that gives all light, and to one spot.
+const RAYS: f32 = 64.0;
+const RAYS_PER_SPOT: std::ops::RangeInclusive<f32> = 2.0..=24.0;
+
+/// Rays to each spot in the first estimate of all light.
+const TENTATIVE: f32 = 4.0;
+
+/// The rays of one point to its bright spots; and how much even rays count beside them.
+#[derive(Debug, Default)]
+pub(super) struct GuidedRays {
+    /// The rays; their lobes are their directions over the density of all rays.
+    pub rays: GatherRays,
+    /// By even ray; empty where there are no others.
+    weights: Vec<f32>,
+}
+
+/// A spot and how many rays it gets.
+struct Guide {
+    spot: BrightSpot,
+    irradiance: f32,
+    /// The noise of its light, were there only even rays, in units of its light.
+    even_noise: f32,
+    rays: f32,
+}
+
+/// The density per steradian of all rays of a point.
+struct Mixture<'a> {
+    x: Vec3,
+    /// Of even rays.
+    even: f32,
+    guides: &'a [Guide],
+}
+
+impl Mixture<'_> {
+    fn density(&self, direction: Vec3) -> f32 {
+        self.even + self.guides.iter().map(|g| g.rays * g.spot.pdf(self.x, direction)).sum::<f32>()
+    }
+
+    /// How much an even ray counts.
+    fn weight(&self, direction: Vec3) -> f32 {
+        self.even / self.density(direction)
+    }
+}
+
+impl GuidedRays {
+    /// Shoots rays to the spots that matter at the origin of some even rays, whose hits have their light.
+    pub(super) fn shoot(scene: &Scene, options: &RenderOptions, spots: &BrightSpots, even: &GatherRays) -> Self {
+        let mut guided = Self::default();
+        let Some(x) = even.origin() else { return guided };
+        let count = even.lobes.len() as f32;
+        let density = count / (4.0 * PI);
+
+        // List the spots that are small, the most noisy ones first.
+        let mut guides: Vec<Guide> = spots
+            .iter()
+            .filter_map(|&spot| {
+                let view = spot.seen_from(x).filter(|view| view.solid_angle * density < LARGE)?;
+                let even_noise = 1.0 / (view.solid_angle * density).max(1e-6).sqrt();
+                Some(Guide { spot, irradiance: view.irradiance, even_noise, rays: TENTATIVE })
+            })
+            .collect();
+        if guides.is_empty() {
+            return guided;
+        }
+        // Stable: equal spots keep their order.
+        guides.sort_by(|a, b| (b.irradiance * b.even_noise).total_cmp(&(a.irradiance * a.even_noise)));
+        guides.truncate(MOST_SPOTS);
+
+        // Estimate all light, and give the spots rays by their parts of it.
+        let mixture = Mixture { x, even: density, guides: &guides };
+        let weights: Vec<f32> = even.directions().map(|direction| mixture.weight(direction)).collect();
+        let emitted = even.emitted.iter().map(|&(ray, radiance)| weights[ray as usize] * radiance.max_element());
+        let mut total: f32 = emitted.sum();
+        for (hit, &irradiance) in even.hits.vertices.iter().zip(&even.hits.direct) {
+            total += weights[hit.id as usize] * (hit.weight * irradiance).max_element();
+        }
+        total /= density;
+        guides.retain_mut(|guide| {
+            let share = (guide.irradiance / total.max(f32::MIN_POSITIVE)).min(1.0);
+            guide.rays = (RAYS * share).ceil().clamp(*RAYS_PER_SPOT.start(), *RAYS_PER_SPOT.end());
+            share * guide.even_noise > LEAST_NOISE
+        });
+        if guides.is_empty() {
+            return guided;
+        }
+
+        // Shoot them, and weigh both kinds.
+        let mixture = Mixture { x, even: density, guides: &guides };
+        let mut directions = Vec::new();
+        for (s, guide) in (0..).zip(&guides) {
+            let seed = hash(even.seed() ^ hash(!s));
+            for k in 0..guide.rays as u32 {
+                let height = (k as f32 + unit_f32(hash(seed ^ k))) / guide.rays;
+                let azimuth = unit_f32(k.wrapping_mul(2_654_435_769).wrapping_add(seed));
+                directions.extend(guide.spot.sample(x, Vec2::new(height, azimuth)));
+            }
+        }
+        guided.weights.extend(even.directions().map(|direction| mixture.weight(direction)));
+        guided.rays.towards(scene, options, x, hash(!even.seed()), &directions);
+        for lobe in &mut guided.rays.lobes {
+            *lobe /= mixture.density(*lobe);
+        }
+        guided
+    }
+
+    /// How much the light counts that even ray number `id` finds.
+    #[inline(always)]
+    pub(super) fn weight(&self, id: u32) -> f32 {
+        self.weights.get(id as usize).copied().unwrap_or(1.0)
+    }
+}
