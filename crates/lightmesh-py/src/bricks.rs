@@ -7,16 +7,16 @@ use pyo3::prelude::*;
 
 use crate::arrays;
 
-/// Points of the direct and of the indirect mesh: uint64, (n, 9) each.
+/// Points of the direct and of the indirect mesh: uint64, (n, 10) each.
 pub(crate) type BrickArrays<'py> = (Bound<'py, PyArray2<u64>>, Bound<'py, PyArray2<u64>>);
 
-/// Numbers per brick: level and index in one, then a bit per place.
-const COLUMNS: usize = 9;
+/// Numbers per brick: level, packed coordinates, then a bit per place.
+const COLUMNS: usize = 10;
 
-/// Converts bricks to an array of uint64, (n, 9): level · 2³² + index, then 512 bits, lowest first.
+/// Converts bricks to an array of uint64, (n, 10): level, packed coordinates, then 512 bits, lowest first.
 pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickMask]) -> PyResult<Bound<'py, PyArray2<u64>>> {
-    let key = |brick: &BrickMask| u64::from(brick.level) << 32 | u64::from(brick.brick);
-    let numbers: Vec<u64> = bricks.iter().flat_map(|brick| [key(brick)].into_iter().chain(brick.mask)).collect();
+    let key = |brick: &BrickMask| [u64::from(brick.level), brick.brick];
+    let numbers: Vec<u64> = bricks.iter().flat_map(|brick| key(brick).into_iter().chain(brick.mask)).collect();
     let array = Array2::from_shape_vec((bricks.len(), COLUMNS), numbers);
     array.map(|array| array.into_pyarray(py)).map_err(|error| crate::error::internal(&error.to_string()))
 }
@@ -25,11 +25,12 @@ pub(crate) fn to_array<'py>(py: Python<'py>, bricks: &[BrickMask]) -> PyResult<B
 pub(crate) fn from_array(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<BrickMask>> {
     let numbers = arrays::words(value, name)?;
     if !matches!(numbers.shape[..], [_, COLUMNS]) {
-        return Err(arrays::misshapen(value.py(), name, "(n, 9)", &numbers.shape));
+        return Err(arrays::misshapen(value.py(), name, "(n, 10)", &numbers.shape));
     }
-    let brick = |&[key, a, b, c, d, e, f, g, h]: &[u64; COLUMNS]| BrickMask {
-        level: (key >> 32) as u32,
-        brick: key as u32,
+    // A level that there is not is refused where the brick is used.
+    let brick = |&[level, brick, a, b, c, d, e, f, g, h]: &[u64; COLUMNS]| BrickMask {
+        level: u32::try_from(level).unwrap_or(u32::MAX),
+        brick,
         mask: [a, b, c, d, e, f, g, h],
     };
     Ok(numbers.values.as_chunks().0.iter().map(brick).collect())
@@ -40,7 +41,7 @@ fn wanted(value: &Bound<'_, PyAny>, name: &str) -> PyResult<PointRequests> {
     Ok(PointRequests { direct: from_array(value, name)?, indirect: Vec::new() })
 }
 
-/// Joins arrays of bricks. Returns all of their points: uint64, (n, 9), each brick once, in order.
+/// Joins arrays of bricks. Returns all of their points: uint64, (n, 10), each brick once, in order.
 #[pyfunction]
 pub(crate) fn join_bricks<'py>(py: Python<'py>, bricks: Vec<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyArray2<u64>>> {
     let mut all = PointRequests::default();
@@ -51,7 +52,7 @@ pub(crate) fn join_bricks<'py>(py: Python<'py>, bricks: Vec<Bound<'py, PyAny>>) 
     to_array(py, &all.direct)
 }
 
-/// Subtracts one array of bricks from another. Returns the points of the first that the second lacks: uint64, (n, 9).
+/// Subtracts one array of bricks from another. Returns the points of the first that the second lacks: uint64, (n, 10).
 #[pyfunction]
 pub(crate) fn subtract_bricks<'py>(
     bricks: &Bound<'py, PyAny>,

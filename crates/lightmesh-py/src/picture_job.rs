@@ -26,8 +26,8 @@ use crate::{arrays, bricks, json, keywords};
 /// The samples of a picture are waves, numbered from 0. Processes with the same scene, camera and options can each take
 /// any of them, and the picture is that of Scene.render, bit for bit. Mesh points can be filled together before; a wave
 /// fills those that it misses.
-/// The options are those of Scene.render. Bricks are uint64, (n, 9): level times 2**32 plus index, then a bit for each
-/// of 512 points.
+/// The options are those of Scene.render. Bricks are uint64, (n, 10): level, packed coordinates, then a bit for each of
+/// 512 points.
 #[pyclass(name = "PictureJob", module = "lightmesh", frozen)]
 pub(crate) struct PyPictureJob {
     pub(crate) job: Arc<Job>,

@@ -244,7 +244,7 @@ fn contents_that_do_not_fit_change_nothing() {
     by_mesh(&|c| c.direct.points.lattices.clear(), "direct lattices: there are 0");
     by_mesh(&|c| c.direct.points.addresses[5][2] = 4096, "direct addresses, point 5: (");
     by_mesh(&|c| c.direct.points.addresses[7] = [1, 0, 0, 0], "direct addresses, point 7: (0, 0, 0) of level 1");
-    by_mesh(&|c| c.direct.points.invalid.push([0, u32::MAX, 0, 0]), "direct invalid points, point");
+    by_mesh(&|c| c.direct.points.invalid.push([0, -1, 0, 0]), "direct invalid points, point");
     by_mesh(&|c| c.direct.points.clearances.truncate(3), "direct clearances: has");
     by_mesh(&|c| c.direct.points.addresses.truncate(3), "direct clearances: has");
     let numbers = |c: &mut Snapshot, change: &dyn Fn(&mut Vec<f32>)| match &mut c.direct.values {

@@ -159,7 +159,7 @@ fn bricks_of_another_mesh_are_refused() {
     let scene = Scene::new(room()).expect("scene");
     let options = options(Method::MESH).with(|o| o.transport.bounces = 1);
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
-    for (level, brick) in [(1, 0), (0, u32::MAX)] {
+    for (level, brick) in [(1, 0), (0, 0), (0, u64::MAX)] {
         let bricks = [BrickMask { level, brick, mask: [1; 8] }];
         let direct = distributed::fill_direct(&scene, &options, &mut mesh, &bricks, &()).expect_err("no such brick");
         assert!(direct.to_string().contains("another mesh"), "{direct}");

@@ -30,7 +30,7 @@ def cut_bricks(bricks: Array, tasks: int) -> list[Array]:
     """Cuts bricks into at most `tasks` groups of about as many points each. Bricks of a group are neighbours in order,
     and one brick is never cut.
 
-    bricks: (N, 9), as `PictureJob.demand` has them.
+    bricks: (N, 10), as `PictureJob.demand` has them.
     """
     if len(bricks) == 0:
         return []
@@ -47,6 +47,6 @@ def count_points(bricks: Array) -> int:
 
 def _points(bricks: Array) -> Array:
     """Counts the points of each brick."""
-    words = numpy.ascontiguousarray(bricks[:, 1:])
+    words = numpy.ascontiguousarray(bricks[:, 2:])
     counts: Array = numpy.unpackbits(words.view(numpy.uint8), axis=1).sum(axis=1, dtype=numpy.int64)
     return counts

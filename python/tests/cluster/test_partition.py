@@ -25,10 +25,10 @@ def test_every_wave_is_in_one_range() -> None:
 
 def test_groups_of_bricks_have_about_as_many_points_each() -> None:
     random = numpy.random.default_rng(1)
-    bricks = numpy.zeros((1000, 9), numpy.uint64)
-    bricks[:, 0] = numpy.arange(1000)
+    bricks = numpy.zeros((1000, 10), numpy.uint64)
+    bricks[:, 1] = numpy.arange(1000)
     # 0 to 64 points each
-    bricks[:, 1] = random.integers(0, 1 << 63, 1000, dtype=numpy.uint64) & random.integers(
+    bricks[:, 2] = random.integers(0, 1 << 63, 1000, dtype=numpy.uint64) & random.integers(
         0, 1 << 63, 1000, dtype=numpy.uint64
     )
     groups = cut_bricks(bricks, 40)
@@ -40,6 +40,6 @@ def test_groups_of_bricks_have_about_as_many_points_each() -> None:
 
 
 def test_a_brick_is_never_cut() -> None:
-    bricks = numpy.full((3, 9), numpy.uint64(0xFFFF_FFFF_FFFF_FFFF))
+    bricks = numpy.full((3, 10), numpy.uint64(0xFFFF_FFFF_FFFF_FFFF))
     assert [len(group) for group in cut_bricks(bricks, 40)] == [1, 1, 1]
     assert cut_bricks(bricks[:0], 40) == []

@@ -116,8 +116,8 @@ fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointSnapsho
     let (sizes, _) = arrays.read_rows::<u32, 3>(&name("lattice_size"), Some(levels))?;
     let rows = origins.into_iter().zip(spacings).zip(sizes);
     let lattices = rows.map(|((origin, spacing), size)| LatticeShape { origin, spacing, size }).collect();
-    let (addresses, n) = arrays.read_rows::<u32, 4>(&name("addresses"), None)?;
+    let (addresses, n) = arrays.read_rows::<i32, 4>(&name("addresses"), None)?;
     let (clearances, _) = arrays.read_rows::<u8, 6>(&name("clearances"), Some(n))?;
-    let (invalid, _) = arrays.read_rows::<u32, 4>(&name("invalid"), None)?;
+    let (invalid, _) = arrays.read_rows::<i32, 4>(&name("invalid"), None)?;
     Ok(PointSnapshot { lattices, addresses, clearances, invalid })
 }

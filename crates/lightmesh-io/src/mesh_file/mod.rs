@@ -6,10 +6,10 @@
 //! | array, of `direct` and `indirect` | type, shape | |
 //! |---|---|---|
 //! | `direct.lattice_origin`, `_spacing`, `_size` | F32 (L, 3), F32 (L), U32 (L, 3) | by level: point (i, j, k) lies at origin + spacing · (i, j, k) |
-//! | `direct.addresses` | U32 (N, 4) | level, i, j, k of each point that gives light |
+//! | `direct.addresses` | I32 (N, 4) | level, i, j, k of each point that gives light |
 //! | `direct.positions` | F32 (N, 3) | where that is, metres |
 //! | `direct.clearances` | U8 (N, 6) | room towards ±x, ±y, ±z, in 1/255 of the spacing |
-//! | `direct.invalid`, `direct.invalid_positions` | U32 (M, 4), F32 (M, 3) | points inside solids |
+//! | `direct.invalid`, `direct.invalid_positions` | I32 (M, 4), F32 (M, 3) | points inside solids |
 //! | `direct.six_axis` | F32 (N, 6, 2, 3) | lux on planes that face ±x, ±y, ±z: arriving, and if nothing were in the way |
 //! | or `direct.scalar` | F32 (N, 2, 3) | the paper's DirectLight, and what it is divided by |
 //! | or `direct.light_bits` | U64 (N, 2, W) | what is known of each light |
@@ -20,7 +20,7 @@
 //! [`lightmesh::Snapshot`] says more about each. Positions are for who looks at the file: they follow from the
 //! addresses.
 //!
-//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("1"), `software`, `method`, `settings`
+//! The header's `__metadata__` has `format` ("lightmesh mesh"), `version` ("2"), `software`, `method`, `settings`
 //! (JSON), `units`, `scene` and `settings_fingerprint` ([`lightmesh::Fingerprint`]) and `crc32`: a JSON object with a
 //! checksum for each array. Equal meshes are equal files.
 

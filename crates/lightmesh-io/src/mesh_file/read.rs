@@ -15,7 +15,7 @@ use crate::error::{Error, one_line};
 
 /// The format and version that the header must have.
 pub(super) const FORMAT: &str = "lightmesh mesh";
-pub(super) const VERSION: &str = "1";
+pub(super) const VERSION: &str = "2";
 
 /// The longest header that is read, bytes: ours have a few thousand.
 const LONGEST_HEADER: u64 = 1 << 20;

@@ -28,6 +28,7 @@ macro_rules! number {
 
 number! {
     u8, U8, u8;
+    i32, I32, u32;
     u32, U32, u32;
     u64, U64, u64;
     f32, F32, u32;

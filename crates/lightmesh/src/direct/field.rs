@@ -3,7 +3,7 @@
 use super::encoding::{DirectEncoding, LightRuns};
 use super::region_cuts::RegionCuts;
 use crate::interaction::ShadingPoint;
-use crate::mesh::{Costs, Interpolator, Lattice, Marks, Points};
+use crate::mesh::{Costs, Interpolator, Lattice, Points};
 use crate::{Error, MeshStats, RenderOptions, Scene};
 
 /// Direct light at points of its mesh.
@@ -31,11 +31,6 @@ impl DirectField {
         let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
         let points = Points::new(lattices, interpolator);
         Ok(Self { points, encoding, lights, max_memory: options.limits.max_memory })
-    }
-
-    /// Returns empty marks for its points.
-    pub(crate) fn marks(&self) -> Marks {
-        self.points.marks()
     }
 
     /// Returns the number of points, and their memory.

@@ -6,7 +6,7 @@ use super::partial_image::WaveRequest;
 use super::waves::request_waves;
 use crate::film::RenderClock;
 use crate::light_mesh::take_requests;
-use crate::mesh::{BrickMask, PointRequests, requests};
+use crate::mesh::{BrickMask, Marks, PointRequests, requests};
 use crate::progress::Reporter;
 use crate::{Camera, Error, LightMesh, Progress, RayCounts, RenderOptions, Scene, Stage};
 
@@ -54,7 +54,7 @@ pub fn fill_direct(
     let points = bricks.iter().map(|brick| u64::from(brick.len())).sum();
     let reporter = Reporter::new(progress, Stage::Fill, points);
     let mut rays = RayCounts::default();
-    let mut marks = mesh.direct.marks();
+    let mut marks = Marks::default();
     for some in bricks.chunks(BRICKS_AT_ONCE) {
         // Mark the points of some bricks, and fill them.
         requests::mark(mesh.direct.points(), some, &marks)?;

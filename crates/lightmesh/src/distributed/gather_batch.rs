@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::direct::{DirectLighting, LightingPlan};
 use crate::indirect::{GatherRays, IndirectField, POINTS_AT_ONCE, PendingLight, sphere_directions};
 use crate::light_mesh::{IndirectSnapshot, LightMesh, PointCursor, Snapshot};
-use crate::mesh::{Address, BrickMask, Coordinate, CornerVisibility, PointRequests, requests};
+use crate::mesh::{Address, BrickMask, Coordinate, CornerVisibility, Marks, PointRequests, requests};
 use crate::progress::Reporter;
 use crate::{Error, Progress, RayCounts, RenderOptions, RenderStats, Scene, Stage};
 
@@ -39,7 +39,7 @@ pub struct GatherBatch {
 /// The light T_k of some points after k reflections or fewer, without that which light samples stand for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BounceValues {
-    /// Refinement and lattice coordinates of each point, ascending.
+    /// Level and lattice coordinates of each point, ascending; negative coordinates as their two's complement.
     pub points: Vec<[u32; 4]>,
     /// By point: red, green and blue irradiance, lux, on planes that face +x, −x, +y, −y, +z, −z; with
     /// [`Method::Paper`](crate::options::Method::PAPER) formula (4), one colour.
@@ -85,7 +85,7 @@ impl GatherBatch {
         };
         // Find out which points are inside solids.
         let mut field = field.without_points();
-        let mut marks = field.points().marks();
+        let mut marks = Marks::default();
         requests::mark(field.points(), bricks, &marks)?;
         let mut rays = RayCounts { secondary: field.probe(scene, &mut marks, 0)?, ..RayCounts::default() };
         let (own, own_invalid) = (field.points().len(), field.points().invalid_addresses().len());
@@ -128,7 +128,7 @@ impl GatherBatch {
     /// Returns the points of both meshes that the hits read.
     pub fn requests(&self, scene: &Scene, mesh: &LightMesh) -> PointRequests {
         // Points of the direct mesh that serve the hits.
-        let mut direct = mesh.direct.marks();
+        let mut direct = Marks::default();
         if self.field.reflects_light() {
             let points = mesh.direct.points();
             let mark = |gather: &GatherRays| {
@@ -138,7 +138,7 @@ impl GatherBatch {
         }
 
         // Points of the indirect mesh that joined after its own.
-        let mut indirect = self.field.points().marks();
+        let mut indirect = Marks::default();
         for index in self.own..self.field.points().len() {
             self.field.points().mark(self.field.points().address(index), &indirect);
         }
@@ -161,7 +161,7 @@ impl GatherBatch {
         mesh.check_compatible(options)?;
         let reporter = Reporter::new(progress, Stage::Fill, self.own as u64);
         let mut stats = RenderStats::default();
-        let mut marks = mesh.direct.marks();
+        let mut marks = Marks::default();
         let (field, marks, plan) = (&mut mesh.direct, &mut marks, LightingPlan::of(options));
         let mut direct = DirectLighting { scene, options, plan, field, marks, reporter: &reporter, stats: &mut stats };
         for batch in std::mem::take(&mut self.gathers).chunks_mut(POINTS_AT_ONCE) {
@@ -219,9 +219,9 @@ impl GatherBatch {
     }
 }
 
-/// An address as four numbers.
+/// An address as four numbers; negative coordinates as their two's complement.
 fn numbers(Address { level, coordinate: Coordinate { x, y, z } }: Address) -> [u32; 4] {
-    [level, x, y, z]
+    [level, x as u32, y as u32, z as u32]
 }
 
 impl IndirectField {

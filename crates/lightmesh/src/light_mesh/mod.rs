@@ -44,8 +44,8 @@ impl LightMesh {
     /// Makes empty meshes over the scene's box.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the tables of bricks alone would
-    /// not fit into `options.limits.max_memory`.
+    /// [`Error::InvalidOption`] for a spacing out of range, [`Error::OutOfMemory`] if the hierarchy of lights would not
+    /// fit into `options.limits.max_memory`.
     pub fn new(scene: &Scene, options: &RenderOptions) -> Result<Self, Error> {
         // Choose the lattices of a mesh, the coarsest level first.
         options.validate()?;
@@ -54,16 +54,10 @@ impl LightMesh {
             let bounds = scene.bounds();
             // A scene may be a single point of a user's shape: any spacing will do.
             let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
-            let level = |l: u32, max_memory| {
-                let spacing = spacing / (1 << l) as f32;
-                Lattice::new(option, &bounds, spacing, interpolator.reach(), max_memory)
-            };
-            let mut levels = (0..=resolved.refinements)
-                .map(|l| level(l, options.limits.max_memory))
-                .collect::<Result<Vec<_>, _>>()?;
-            // Leave out levels for distance whose tables alone would take too much.
-            let by_distance = resolved.refinements + 1..=resolved.finer_levels;
-            levels.extend(by_distance.map_while(|l| level(l, options.limits.max_memory / 8).ok()));
+            let level = |l: u32| Lattice::new(option, &bounds, spacing / (1 << l) as f32, interpolator.reach());
+            let mut levels = (0..=resolved.refinements).map(level).collect::<Result<Vec<_>, _>>()?;
+            // Leave out levels for distance that would have too many points along an axis.
+            levels.extend((resolved.refinements + 1..=resolved.finer_levels).map_while(|l| level(l).ok()));
             Ok::<_, Error>(levels)
         };
 
@@ -169,7 +163,7 @@ impl LightMesh {
 
     /// Returns empty marks for both meshes.
     pub(crate) fn marks(&self) -> LightMarks {
-        LightMarks { direct: self.direct.marks(), indirect: self.indirect.as_ref().map(|field| field.points().marks()) }
+        LightMarks { direct: Marks::default(), indirect: self.indirect.as_ref().map(|_| Marks::default()) }
     }
 }
 

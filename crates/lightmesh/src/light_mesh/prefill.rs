@@ -1,7 +1,7 @@
 //! Filling the meshes ahead of use: all points of a box, or all that meters at some positions may read. No picture
 //! depends on it: it only takes less time afterwards.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 use super::LightMesh;
@@ -134,7 +134,7 @@ fn mark_block(points: &Points, marks: &Marks, PointBlock { low, high }: PointBlo
     (low.z..=high.z).into_par_iter().for_each(|z| {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
-                mark_empty(points, marks, &[Address { level: 0, coordinate: UVec3::new(x, y, z) }]);
+                mark_empty(points, marks, &[Address { level: 0, coordinate: IVec3::new(x, y, z) }]);
             }
         }
     });

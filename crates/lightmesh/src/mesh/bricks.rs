@@ -1,10 +1,13 @@
 //! Storage: which points are filled, and where their values are.
 //!
-//! A dense table has one entry per brick of the lattice, a brick has one 32-bit slot per point, and a slot leads to the
-//! point's values in one array that holds nothing else: an empty brick costs 4 bytes, one with a point 2 KiB, a filled
+//! A hash table has an entry per brick that has points, a brick has one 32-bit slot per point, and a slot leads to the
+//! point's values in one array that holds nothing else: an empty brick costs nothing, one with a point 2 KiB, a filled
 //! point its values.
 
-use glam::UVec3;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::lattice::BrickKey;
 
 /// The state of a mesh point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,61 +56,75 @@ impl Brick<'_> {
     }
 }
 
-/// The bricks of a mesh.
-#[derive(Clone, Debug)]
+/// Hashes keys of bricks: neighbours differ in few bits, which the product spreads over all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
+    }
+
+    fn write_u32(&mut self, x: u32) {
+        self.write_u64(u64::from(x));
+    }
+
+    #[inline(always)]
+    fn write_u64(&mut self, x: u64) {
+        // 2⁶⁴ / golden ratio, odd.
+        self.0 = (self.0.rotate_left(5) ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+}
+
+/// A table by brick; its order is never used.
+pub(super) type ByBrick<K, V> = HashMap<K, V, BuildHasherDefault<KeyHasher>>;
+
+/// The bricks of a level.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Bricks {
-    /// Index into `slots` by brick index, [`Bricks::NONE`] for a brick without slots.
-    table: Vec<u32>,
+    /// Index into `slots` by brick.
+    table: ByBrick<BrickKey, u32>,
     slots: Vec<[u32; 512]>,
 }
 
 impl Bricks {
-    const NONE: u32 = u32::MAX;
-    /// Memory of a table entry, its mark included, bytes.
-    pub(super) const BYTES_PER_TABLE_ENTRY: u64 = 4 + 16;
-    /// Memory of a brick with slots, its marks included, bytes.
-    pub(super) const BYTES_PER_BRICK: u64 = 512 * 4 + 64;
-
-    /// Empty bricks, with their numbers along x, y and z.
-    pub(crate) fn new(bricks: UVec3) -> Self {
-        Self { table: vec![Self::NONE; bricks.as_u64vec3().element_product() as usize], slots: Vec::new() }
-    }
+    /// Memory of a brick with slots, its marks and its entries in tables included, bytes.
+    pub(super) const BYTES_PER_BRICK: u64 = 512 * 4 + 64 + 128;
 
     /// Returns the slot of a point.
     #[inline(always)]
-    pub(crate) fn slot(&self, brick: usize, local: usize) -> Slot {
-        match self.table[brick] {
-            Self::NONE => Slot::Empty,
-            index => Slot::unpack(self.slots[index as usize][local]),
-        }
+    pub(crate) fn slot(&self, brick: BrickKey, local: usize) -> Slot {
+        self.brick(brick).slot(local)
     }
 
     /// Returns the slots of a brick.
     #[inline(always)]
-    pub(super) fn brick(&self, brick: usize) -> Brick<'_> {
-        match self.table[brick] {
-            Self::NONE => Brick(None),
-            index => Brick(Some(&self.slots[index as usize])),
-        }
+    pub(super) fn brick(&self, brick: BrickKey) -> Brick<'_> {
+        Brick(self.table.get(&brick).map(|&index| &self.slots[index as usize]))
     }
 
     /// Returns whether a brick has slots.
-    pub(crate) fn exists(&self, brick: usize) -> bool {
-        self.table[brick] != Self::NONE
+    pub(crate) fn exists(&self, brick: BrickKey) -> bool {
+        self.table.contains_key(&brick)
     }
 
     /// Sets a slot; a brick gets its slots on first use.
-    pub(super) fn set(&mut self, brick: usize, local: usize, slot: Slot) {
-        if self.table[brick] == Self::NONE {
-            self.table[brick] = self.slots.len() as u32;
-            self.slots.push([Slot::EMPTY; 512]);
-        }
-        self.slots[self.table[brick] as usize][local] = slot.pack();
+    pub(super) fn set(&mut self, brick: BrickKey, local: usize, slot: Slot) {
+        let Self { table, slots } = self;
+        let index = *table.entry(brick).or_insert_with(|| {
+            slots.push([Slot::EMPTY; 512]);
+            slots.len() as u32 - 1
+        });
+        slots[index as usize][local] = slot.pack();
     }
 
     /// Returns the memory, bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        self.table.len() as u64 * Self::BYTES_PER_TABLE_ENTRY + self.slots.len() as u64 * Self::BYTES_PER_BRICK
+        self.slots.len() as u64 * Self::BYTES_PER_BRICK
     }
 }
 
@@ -117,7 +134,7 @@ mod tests {
 
     #[test]
     fn slots_come_back_as_they_were_set() {
-        let mut bricks = Bricks::new(UVec3::new(2, 3, 4));
+        let mut bricks = Bricks::default();
         assert_eq!(bricks.slot(23, 511), Slot::Empty);
         bricks.set(23, 511, Slot::Filled(7));
         bricks.set(23, 0, Slot::Invalid);

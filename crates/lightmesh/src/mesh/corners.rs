@@ -1,6 +1,6 @@
 //! The eight corners of a cell: corner k is the lower one plus bit 0 of k in x, bit 1 in y and bit 2 in z.
 
-use glam::{UVec3, Vec4};
+use glam::{IVec3, Vec4};
 
 use super::lattice::Coordinate;
 use crate::sampling;
@@ -28,5 +28,5 @@ pub(crate) fn corners_of(mask: u8) -> impl Iterator<Item = usize> + Clone {
 /// Returns the coordinate of corner k of a cell.
 #[inline(always)]
 pub(super) fn corner(cell: Coordinate, k: usize) -> Coordinate {
-    cell + UVec3::new(k as u32 & 1, k as u32 >> 1 & 1, k as u32 >> 2)
+    cell + IVec3::new(k as i32 & 1, k as i32 >> 1 & 1, k as i32 >> 2)
 }

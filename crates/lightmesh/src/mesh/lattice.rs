@@ -1,18 +1,25 @@
 //! The regular lattice: where mesh points are, and which brick holds them.
 //!
 //! Points lie at `origin + spacing · (i, j, k)`, i in 0..size.x and so on. A brick is a cube of 8³ points: point (i, j,
-//! k) is in brick (i / 8, j / 8, k / 8) at index `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`, and brick (a, b, c) has the
-//! index `a + bricks.x (b + bricks.y c)`. Example with 5 × 3 × 4 bricks: point (9, 2, 17) is in brick (1, 0, 2), index
-//! 1 + 5 (0 + 3 · 2) = 31, at index 1 + 8 · 2 + 64 · 1 = 81.
+//! k) is in brick (⌊i / 8⌋, ⌊j / 8⌋, ⌊k / 8⌋) at index `(i mod 8) + 8 (j mod 8) + 64 (k mod 8)`. Bricks are told apart by
+//! their coordinates, packed into one number (see [`BrickKey`]). Example: point (9, −2, 17) is in brick (1, −1, 2), at
+//! index 1 + 8 · 6 + 64 · 1 = 113.
 
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3, Vec3};
 
-use super::bricks::Bricks;
 use crate::Error;
 use crate::geometry::Aabb;
 
-/// A lattice coordinate: every component below 2²⁹.
-pub(crate) type Coordinate = UVec3;
+/// A lattice coordinate: every component less than 2²¹ from 0.
+pub(crate) type Coordinate = IVec3;
+
+/// The coordinates of a brick in one number: x + 2²⁰ in bits 0 to 20, y + 2²⁰ in the next 21, z + 2²⁰ above. Ascending
+/// keys go along x first, then y, then z.
+pub(crate) type BrickKey = u64;
+
+/// What is added to a brick's coordinates in its key.
+const BRICK_BIAS: i32 = 1 << 20;
+const BRICK_BITS: u32 = 21;
 
 /// A point closer to a surface than this part of the spacing lies on it: rays from it may start on either side. Walls
 /// on lattice planes have such points, but for rounding: 2⁻²⁴ of the scene's extent is a sixteenth of this where 2¹⁰
@@ -38,9 +45,9 @@ pub(crate) struct Lattice {
     /// Points inside the scene's box.
     inside: u64,
     size: UVec3,
-    /// The lower corner of the last cell.
+    /// The lower corners of the first and the last cell.
+    first: Vec3,
     last: Vec3,
-    bricks: UVec3,
 }
 
 impl Lattice {
@@ -50,29 +57,12 @@ impl Lattice {
     /// `option` names the spacing in messages.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if the table of bricks would not fit, [`Error::InvalidOption`] for too many points along
-    /// an axis.
-    pub(crate) fn new(
-        option: &'static str,
-        bounds: &Aabb,
-        spacing: f32,
-        reach: u32,
-        max_memory: u64,
-    ) -> Result<Self, Error> {
-        // Count cells and bricks, in f64: they may be too many.
+    /// [`Error::InvalidOption`] for too many points along an axis.
+    pub(crate) fn new(option: &'static str, bounds: &Aabb, spacing: f32, reach: u32) -> Result<Self, Error> {
+        // Count cells, in f64: they may be too many.
         let inside = (bounds.size().as_dvec3() / f64::from(spacing)).ceil().max(DVec3::ONE);
         let cells = inside + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
-        let count = bricks.element_product();
-        let bytes = count * Bricks::BYTES_PER_TABLE_ENTRY as f64;
-        if bytes > max_memory as f64 || count >= f64::from(u32::MAX) {
-            return Err(Error::OutOfMemory {
-                what: "the light mesh's table of bricks",
-                needed_bytes: bytes as u64,
-                limit_bytes: max_memory,
-                advice: "choose a larger --spacing or --indirect-spacing",
-            });
-        }
         if cells.max_element() > MAX_CELLS {
             let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
             return Err(Error::InvalidOption { option, what });
@@ -85,8 +75,8 @@ impl Lattice {
             inv_spacing: 1.0 / spacing,
             inside: inside.as_u64vec3().element_product(),
             size: (bricks * 8.0).as_uvec3(),
+            first: Vec3::ZERO,
             last: (bricks * 8.0 - 2.0).as_vec3(),
-            bricks: bricks.as_uvec3(),
         })
     }
 
@@ -100,14 +90,15 @@ impl Lattice {
         self.inv_spacing
     }
 
-    /// Returns the number of bricks along x, y and z.
-    pub(super) fn bricks(&self) -> UVec3 {
-        self.bricks
+    /// Returns whether a brick holds points of the lattice.
+    pub(super) fn contains_brick(&self, brick: BrickKey) -> bool {
+        brick >> (3 * BRICK_BITS) == 0 && self.contains(coordinate(brick, 0))
     }
 
-    /// Returns the number of bricks.
-    pub(super) fn brick_count(&self) -> usize {
-        self.bricks.as_u64vec3().element_product() as usize
+    /// Returns whether a point is one of the lattice's.
+    pub(crate) fn contains(&self, coordinate: Coordinate) -> bool {
+        let coordinate = coordinate.as_vec3();
+        coordinate.cmpge(self.first).all() && coordinate.cmple(self.last + 1.0).all()
     }
 
     /// Returns the number of points inside the scene's box; the lattice goes on beyond it to whole bricks.
@@ -137,17 +128,17 @@ impl Lattice {
         const ROUND: f32 = (3 << 22) as f32;
         const HALF: f32 = 0.5 - 1e-4;
         let x = (p - self.origin) * self.inv_spacing;
-        let rounded = x.clamp(Vec3::ZERO, self.last) - HALF + ROUND;
-        let cell = rounded.to_array().map(|c| c.to_bits() - ROUND.to_bits());
-        (UVec3::from_array(cell), x - (rounded - ROUND))
+        let rounded = x.clamp(self.first, self.last) - HALF + ROUND;
+        let cell = rounded.to_array().map(|c| c.to_bits().wrapping_sub(ROUND.to_bits()) as i32);
+        (IVec3::from_array(cell), x - (rounded - ROUND))
     }
 
     /// Returns the block of lattice points between two positions, clamped to the lattice.
     pub(super) fn range(&self, min: Vec3, max: Vec3) -> PointBlock {
-        let last = (self.size - 1).as_vec3();
-        let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(Vec3::ZERO, last);
-        let high = ((max - self.origin) * self.inv_spacing).floor().clamp(Vec3::ZERO, last);
-        PointBlock { low: low.as_uvec3(), high: high.as_uvec3() }
+        let (first, last) = (self.first, self.last + 1.0);
+        let low = ((min - self.origin) * self.inv_spacing).ceil().clamp(first, last);
+        let high = ((max - self.origin) * self.inv_spacing).floor().clamp(first, last);
+        PointBlock { low: low.as_ivec3(), high: high.as_ivec3() }
     }
 
     /// Returns the lattice as plain numbers.
@@ -157,31 +148,27 @@ impl Lattice {
 
     /// Returns the block of lattice points in a box; `None` where there are none.
     pub(crate) fn points_in(&self, bounds: &Aabb) -> Option<PointBlock> {
-        let low = ((bounds.min - self.origin) * self.inv_spacing).ceil().max(Vec3::ZERO);
-        let high = ((bounds.max - self.origin) * self.inv_spacing).floor().min((self.size - 1).as_vec3());
-        low.cmple(high).all().then(|| PointBlock { low: low.as_uvec3(), high: high.as_uvec3() })
+        let low = ((bounds.min - self.origin) * self.inv_spacing).ceil().max(self.first);
+        let high = ((bounds.max - self.origin) * self.inv_spacing).floor().min(self.last + 1.0);
+        low.cmple(high).all().then(|| PointBlock { low: low.as_ivec3(), high: high.as_ivec3() })
     }
+}
 
-    /// Returns the index of a brick.
-    #[inline(always)]
-    pub(crate) fn brick_index(&self, brick: UVec3) -> usize {
-        (brick.x + self.bricks.x * brick.y) as usize + (self.bricks.x * self.bricks.y) as usize * brick.z as usize
-    }
-
-    /// Returns the coordinate of a point of a brick.
-    pub(crate) fn coordinate(&self, brick_index: usize, local: usize) -> Coordinate {
-        let (i, l) = (brick_index as u32, local as u32);
-        let (bx, by) = (self.bricks.x, self.bricks.y);
-        let brick = UVec3::new(i % bx, i / bx % by, i / (bx * by));
-        brick * 8 + UVec3::new(l % 8, l / 8 % 8, l / 64)
-    }
+/// Returns the coordinate of a point of a brick.
+pub(crate) fn coordinate(brick: BrickKey, local: usize) -> Coordinate {
+    let part = |shift: u32| (brick >> shift & ((1 << BRICK_BITS) - 1)) as i32 - BRICK_BIAS;
+    let local = local as i32;
+    let brick = IVec3::new(part(0), part(BRICK_BITS), part(2 * BRICK_BITS));
+    brick * 8 + IVec3::new(local % 8, local / 8 % 8, local / 64)
 }
 
 /// Returns the brick of a point and its index in it.
 #[inline(always)]
-pub(crate) fn split(coordinate: Coordinate) -> (UVec3, usize) {
+pub(crate) fn split(coordinate: Coordinate) -> (BrickKey, usize) {
     let local = coordinate & 7;
-    (coordinate >> 3, (local.x + 8 * local.y + 64 * local.z) as usize)
+    let part = |c: i32| ((c >> 3) + BRICK_BIAS) as u64;
+    let key = part(coordinate.x) | part(coordinate.y) << BRICK_BITS | part(coordinate.z) << (2 * BRICK_BITS);
+    (key, (local.x + 8 * local.y + 64 * local.z) as usize)
 }
 
 /// The lattice of one level of a mesh. Point (i, j, k) lies at `origin + spacing · (i, j, k)`, with i in 0..size\[0\]
@@ -198,7 +185,7 @@ pub struct LatticeShape {
 
 impl LatticeShape {
     /// Returns the position of a point, metres.
-    pub fn position(&self, [i, j, k]: [u32; 3]) -> [f32; 3] {
+    pub fn position(&self, [i, j, k]: [i32; 3]) -> [f32; 3] {
         let [x, y, z] = self.origin;
         [x + self.spacing * i as f32, y + self.spacing * j as f32, z + self.spacing * k as f32]
     }
@@ -210,16 +197,21 @@ mod tests {
 
     fn lattice() -> Lattice {
         let bounds = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(9.0, 4.0, 10.0) };
-        Lattice::new("spacing", &bounds, 0.25, 1, 1 << 30).expect("small")
+        Lattice::new("spacing", &bounds, 0.25, 1).expect("small")
     }
 
-    /// The example of the module's documentation, on its own lattice, and back.
+    /// The example of the module's documentation, and back; keys ascend along x, then y, then z.
     #[test]
     fn bricks_and_indices_follow_the_formula() {
-        let l = Lattice { bricks: UVec3::new(5, 3, 4), ..lattice() };
-        let (brick, local) = split(UVec3::new(9, 2, 17));
-        assert_eq!((l.brick_index(brick), local), (31, 81));
-        assert_eq!(l.coordinate(31, 81), UVec3::new(9, 2, 17));
+        let (brick, local) = split(IVec3::new(9, -2, 17));
+        assert_eq!((brick, local), (split(IVec3::new(8, -8, 16)).0, 113));
+        assert_eq!(coordinate(brick, local), IVec3::new(9, -2, 17));
+        let keys = [[-9, 0, 0], [0, 0, 0], [8, 0, 0], [-800, 8, 0], [0, -8, 8]].map(|c| split(c.into()).0);
+        assert!(keys.is_sorted());
+        for c in [IVec3::splat(-(1 << 20)), IVec3::splat((1 << 20) - 1)] {
+            let (brick, local) = split(c);
+            assert_eq!(coordinate(brick, local), c);
+        }
     }
 
     /// 10 × 4 × 8 m at 0.25 m.
@@ -242,29 +234,29 @@ mod tests {
     fn a_box_is_clipped_to_the_lattice() {
         let l = lattice();
         let thin = Aabb { min: Vec3::new(-0.9, -9.0, 2.1), max: Vec3::new(-0.8, 0.2, 2.4) };
-        assert_eq!(l.points_in(&thin), Some(PointBlock { low: UVec3::new(1, 0, 1), high: UVec3::new(1, 1, 2) }));
+        assert_eq!(l.points_in(&thin), Some(PointBlock { low: IVec3::new(1, 0, 1), high: IVec3::new(1, 1, 2) }));
         let between = Aabb { min: Vec3::new(-0.8, 0.0, 2.0), max: Vec3::new(-0.7, 4.0, 10.0) };
         assert_eq!(l.points_in(&between), None);
         let beyond = Aabb { min: Vec3::splat(20.0), max: Vec3::splat(30.0) };
         assert_eq!(l.points_in(&beyond), None);
         assert_eq!(l.points_in(&Aabb::EMPTY), None);
         let all = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
-        assert_eq!(l.points_in(&all), Some(PointBlock { low: UVec3::ZERO, high: l.size - 1 }));
+        assert_eq!(l.points_in(&all), Some(PointBlock { low: IVec3::ZERO, high: l.size.as_ivec3() - 1 }));
     }
 
     #[test]
     fn the_first_points_inside_stand_half_a_cell_off_the_walls() {
         let l = lattice();
-        assert!((l.point(UVec3::ONE) - Vec3::new(-0.875, 0.125, 2.125)).length() < 1e-6);
+        assert!((l.point(IVec3::ONE) - Vec3::new(-0.875, 0.125, 2.125)).length() < 1e-6);
     }
 
     #[test]
     fn an_absurd_spacing_is_refused_before_anything_is_allocated() {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(10.0) };
-        let error = Lattice::new("spacing", &bounds, 1e-9, 1, 4 << 30).expect_err("too fine");
-        assert!(error.to_string().contains("memory"), "{error}");
+        let error = Lattice::new("spacing", &bounds, 1e-9, 1).expect_err("too fine");
+        assert!(error.to_string().contains("spacing"), "{error}");
         let wire = Aabb { min: Vec3::ZERO, max: Vec3::new(1e6, 1.0, 1.0) };
-        let error = Lattice::new("spacing", &wire, 1.0, 1, 4 << 30).expect_err("too long");
+        let error = Lattice::new("spacing", &wire, 1.0, 1).expect_err("too long");
         assert!(error.to_string().contains("spacing"), "{error}");
     }
 }

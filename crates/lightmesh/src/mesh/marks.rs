@@ -1,106 +1,90 @@
 //! Marks: the points that have been requested and are still empty, as bits that many threads set and one reads in
 //! order.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::hash::BuildHasher;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::bricks::Bricks;
+use super::bricks::{Bricks, ByBrick};
+use super::lattice::BrickKey;
 use crate::sampling::set_bits;
 
-/// Marks on all levels of a mesh.
+/// A brick of a level.
+pub(super) type LevelBrick = (u32, BrickKey);
+
+/// Parts of the table, each with a lock of its own: threads seldom wait for each other.
+const PARTS: usize = 64;
+
+/// Marks on all levels of a mesh: a bit per point of the bricks that have any.
 #[derive(Debug)]
-pub(crate) struct Marks(Vec<LevelMarks>);
+pub(crate) struct Marks {
+    parts: Box<[Part]>,
+    hasher: std::hash::BuildHasherDefault<super::bricks::KeyHasher>,
+}
+
+/// Eight words per marked brick.
+type Part = Mutex<ByBrick<LevelBrick, [u64; 8]>>;
+
+impl Default for Marks {
+    fn default() -> Self {
+        Self { parts: (0..PARTS).map(|_| Part::default()).collect(), hasher: Default::default() }
+    }
+}
 
 impl Marks {
-    /// No marks, for lattices with these numbers of bricks.
-    pub(crate) fn new(bricks: impl Iterator<Item = usize>) -> Self {
-        Self(bricks.map(LevelMarks::new).collect())
-    }
-
     /// Marks point `local` of a brick of a level. The result does not depend on the order of calls.
-    pub(super) fn set(&self, level: u32, brick: usize, local: usize) {
-        self.0[level as usize].set(brick, local);
-    }
-
-    /// Returns the marks by level.
-    pub(super) fn levels(&mut self) -> impl Iterator<Item = &mut LevelMarks> {
-        self.0.iter_mut()
-    }
-}
-
-/// The marks of a level: a bit per point of the bricks that have any.
-#[derive(Debug)]
-pub(super) struct LevelMarks {
-    /// Eight words per brick index, made when the brick is first marked.
-    words: Vec<OnceLock<Box<[AtomicU64; 8]>>>,
-    /// The brick indices that have words, in the order of their first mark.
-    touched: Mutex<Vec<usize>>,
-}
-
-impl LevelMarks {
-    /// No marks, for a lattice of `bricks` bricks.
-    pub(crate) fn new(bricks: usize) -> Self {
-        Self { words: (0..bricks).map(|_| OnceLock::new()).collect(), touched: Mutex::default() }
-    }
-
-    /// Marks point `local` of a brick.
-    fn set(&self, brick: usize, local: usize) {
-        let words = self.words[brick].get_or_init(|| {
-            self.touched.lock().unwrap_or_else(PoisonError::into_inner).push(brick);
-            Box::default()
-        });
-        // Read first: most marks are there already, and a read does not take the cache line from other threads.
-        let (word, bit) = (&words[local / 64], 1 << (local % 64));
-        if word.load(Ordering::Relaxed) & bit == 0 {
-            word.fetch_or(bit, Ordering::Relaxed);
-        }
+    pub(super) fn set(&self, level: u32, brick: BrickKey, local: usize) {
+        let key = (level, brick);
+        // Not the bits that the table itself uses.
+        let part = (self.hasher.hash_one(key) >> 40) as usize % PARTS;
+        lock(&self.parts[part]).entry(key).or_default()[local / 64] |= 1 << (local % 64);
     }
 
     /// Returns the bricks that have marks, in order, with their marks, a bit per point; clears them.
-    pub(super) fn take_masks(&mut self) -> Vec<(usize, [u64; 8])> {
-        let touched = self.touched.get_mut().unwrap_or_else(PoisonError::into_inner);
-        touched.sort_unstable();
-        let words = touched.drain(..).filter_map(|brick| Some((brick, self.words[brick].take()?)));
-        words.map(|(brick, words)| (brick, words.each_ref().map(|word| word.load(Ordering::Relaxed)))).collect()
+    pub(super) fn take_masks(&mut self) -> Vec<(LevelBrick, [u64; 8])> {
+        let mut masks: Vec<_> = self.parts.iter().flat_map(|part| std::mem::take(&mut *lock(part))).collect();
+        masks.sort_unstable_by_key(|&(key, _)| key);
+        masks
     }
 
-    /// Returns the marked points in order; clears the marks.
-    pub(super) fn take(&mut self, bricks: &Bricks) -> MarkedPoints {
+    /// Returns the marked points in order; clears the marks. `bricks` gives those of a level.
+    pub(super) fn take<'a>(&mut self, bricks: impl Fn(u32) -> &'a Bricks) -> MarkedPoints {
         let mut marked = MarkedPoints::default();
-        for (brick, words) in self.take_masks() {
-            marked.new_bricks += u64::from(!bricks.exists(brick));
+        for ((level, brick), words) in self.take_masks() {
+            marked.new_bricks += u64::from(!bricks(level).exists(brick));
             for (i, word) in words.into_iter().enumerate() {
-                marked.points.extend(set_bits::<64>(word).map(|bit| (brick, i * 64 + bit)));
+                marked.points.extend(set_bits::<64>(word).map(|bit| (level, brick, i * 64 + bit)));
             }
         }
         marked
     }
 }
 
-/// The marked points of a level.
+fn lock(part: &Part) -> MutexGuard<'_, ByBrick<LevelBrick, [u64; 8]>> {
+    part.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The marked points of a mesh.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct MarkedPoints {
-    /// Brick index, and index in the brick.
-    pub points: Vec<(usize, usize)>,
+    /// Level, brick, and index in the brick.
+    pub points: Vec<(u32, BrickKey, usize)>,
     /// How many of their bricks have no slots yet.
     pub new_bricks: u64,
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::UVec3;
-
     use super::*;
 
     #[test]
     fn marks_come_back_once_and_in_order() {
-        let bricks = Bricks::new(UVec3::new(4, 1, 1));
-        let mut marks = LevelMarks::new(4);
-        for (brick, local) in [(3, 511), (0, 64), (3, 0), (0, 64), (0, 5)] {
-            marks.set(brick, local);
+        let bricks = Bricks::default();
+        let mut marks = Marks::default();
+        for (level, brick, local) in [(0, 3, 511), (1, 0, 7), (0, 0, 64), (0, 3, 0), (0, 0, 64), (0, 0, 5)] {
+            marks.set(level, brick, local);
         }
-        let points = vec![(0, 5), (0, 64), (3, 0), (3, 511)];
-        assert_eq!(marks.take(&bricks), MarkedPoints { points, new_bricks: 2 });
-        assert_eq!(marks.take(&bricks), MarkedPoints::default());
+        let points = vec![(0, 0, 5), (0, 0, 64), (0, 3, 0), (0, 3, 511), (1, 0, 7)];
+        assert_eq!(marks.take(|_| &bricks), MarkedPoints { points, new_bricks: 3 });
+        assert_eq!(marks.take(|_| &bricks), MarkedPoints::default());
     }
 }

@@ -118,8 +118,8 @@ mod tests {
     /// A vertex at (0.3, 0.4, 0.2) of a cell, of normal `ng`, and its stencil.
     fn at(ng: Vec3) -> (ShadingPoint, Stencil) {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
-        let lattice = Lattice::new("spacing", &bounds, 1.0, 1, 1 << 30).expect("small");
-        let position = lattice.point(glam::UVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
+        let lattice = Lattice::new("spacing", &bounds, 1.0, 1).expect("small");
+        let position = lattice.point(glam::IVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
         let vertex = ShadingPoint { position, n: ng, ng, offset: 1e-4, weight: Vec3::ONE, id: 0 };
         let stencil = stencil(&lattice, &vertex, OFFSET);
         (vertex, stencil)
@@ -155,7 +155,7 @@ mod tests {
             let (mut vertex, _) = at(ng);
             vertex.position.z -= 0.2;
             let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
-            let lattice = Lattice::new("spacing", &bounds, 1.0, 1, 1 << 30).expect("small");
+            let lattice = Lattice::new("spacing", &bounds, 1.0, 1).expect("small");
             let stencil = stencil(&lattice, &vertex, OFFSET);
             assert_eq!(before_plane(&stencil), if ng.z > 0.0 { 0b1111_0000 } else { 0b0000_1111 });
         }

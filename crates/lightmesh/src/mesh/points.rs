@@ -123,12 +123,7 @@ impl Points {
     /// Marks a point.
     pub(crate) fn mark(&self, address: Address, marks: &Marks) {
         let (brick, local) = lattice::split(address.coordinate);
-        marks.set(address.level, self.level(address.level).lattice.brick_index(brick), local);
-    }
-
-    /// Returns empty marks for its lattices.
-    pub(crate) fn marks(&self) -> Marks {
-        Marks::new(self.levels.iter().map(|level| level.lattice.brick_count()))
+        marks.set(address.level, brick, local);
     }
 
     /// Returns where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
@@ -179,16 +174,10 @@ impl Points {
     /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
     pub(crate) fn take_marked(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
         // List the marked points of all levels.
-        let (mut requested, mut new_bricks) = (Vec::new(), 0);
-        for (level, marks) in (0..).zip(marks.levels()) {
-            let RefinementLevel { lattice, bricks, .. } = self.level(level);
-            let MarkedPoints { points, new_bricks: new } = marks.take(bricks);
-            let address = |(brick, local)| Address { level, coordinate: lattice.coordinate(brick, local) };
-            requested.extend(points.into_iter().map(address));
-            new_bricks += new;
-        }
-        self.check_memory(requested.len(), new_bricks, costs, limit)?;
-        Ok(requested)
+        let MarkedPoints { points, new_bricks } = marks.take(|level| &self.level(level).bricks);
+        self.check_memory(points.len(), new_bricks, costs, limit)?;
+        let address = |(level, brick, local)| Address { level, coordinate: lattice::coordinate(brick, local) };
+        Ok(points.into_iter().map(address).collect())
     }
 
     /// Refuses a number of new points, some of them in new bricks, if they would not fit into `limit` bytes.

@@ -13,13 +13,11 @@
 //! Points are refined one by one, where a picture's light needs it, and in a sphere about the eye, where the mesh is to
 //! be denser.
 
-use std::collections::HashMap;
-
 use glam::Vec3;
 
-use super::bricks::{Bricks, Slot};
+use super::bricks::{Bricks, ByBrick, Slot};
 use super::corners::corner;
-use super::lattice::{self, Coordinate, Lattice};
+use super::lattice::{self, BrickKey, Coordinate, Lattice};
 
 /// A lattice and the state of its points.
 #[derive(Debug)]
@@ -27,7 +25,7 @@ pub(crate) struct RefinementLevel {
     pub(crate) lattice: Lattice,
     pub(crate) bricks: Bricks,
     /// By brick, a bit per refined point.
-    refined: HashMap<usize, [u64; 8]>,
+    refined: ByBrick<BrickKey, [u64; 8]>,
     /// All points in this sphere are refined, too.
     near_eye: Option<EyeSphere>,
 }
@@ -43,15 +41,14 @@ struct EyeSphere {
 impl RefinementLevel {
     /// Empty points, none of them refined.
     pub(crate) fn new(lattice: Lattice) -> Self {
-        let bricks = Bricks::new(lattice.bricks());
-        Self { lattice, bricks, refined: HashMap::new(), near_eye: None }
+        Self { lattice, bricks: Bricks::default(), refined: ByBrick::default(), near_eye: None }
     }
 
     /// Returns the slot of a point.
     #[inline(always)]
     pub(crate) fn slot(&self, coordinate: Coordinate) -> Slot {
         let (brick, local) = lattice::split(coordinate);
-        self.bricks.slot(self.lattice.brick_index(brick), local)
+        self.bricks.slot(brick, local)
     }
 
     /// Returns the slots of a cell's eight corners.
@@ -60,7 +57,7 @@ impl RefinementLevel {
         let (brick, local) = lattice::split(cell);
         if (cell & 7).max_element() < 7 {
             // All in one brick.
-            let slots = self.bricks.brick(self.lattice.brick_index(brick));
+            let slots = self.bricks.brick(brick);
             return std::array::from_fn(|k| slots.slot(local + (k & 1) + (k >> 1 & 1) * 8 + (k >> 2) * 64));
         }
         std::array::from_fn(|k| self.slot(corner(cell, k)))
@@ -69,14 +66,14 @@ impl RefinementLevel {
     /// Sets the slot of a point.
     pub(super) fn set(&mut self, coordinate: Coordinate, slot: Slot) {
         let (brick, local) = lattice::split(coordinate);
-        self.bricks.set(self.lattice.brick_index(brick), local, slot);
+        self.bricks.set(brick, local, slot);
     }
 
     /// Refines all corners of a cell.
     pub(super) fn refine(&mut self, cell: Coordinate) {
         for k in 0..8 {
             let (brick, local) = lattice::split(corner(cell, k));
-            self.refined.entry(self.lattice.brick_index(brick)).or_default()[local / 64] |= 1 << (local % 64);
+            self.refined.entry(brick).or_default()[local / 64] |= 1 << (local % 64);
         }
     }
 
@@ -104,10 +101,7 @@ impl RefinementLevel {
             let is_near =
                 |EyeSphere { eye, radius }| self.lattice.point(coordinate).distance_squared(eye) < radius * radius;
             self.near_eye.is_some_and(is_near)
-                || self
-                    .refined
-                    .get(&self.lattice.brick_index(brick))
-                    .is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
+                || self.refined.get(&brick).is_some_and(|bits| bits[local / 64] >> (local % 64) & 1 != 0)
         };
         (0..8).map(|k| u8::from(is_refined(k)) << k).sum()
     }

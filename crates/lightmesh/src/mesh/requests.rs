@@ -1,19 +1,19 @@
 //! Requests for mesh points as plain numbers: marks that go from process to process.
 
 use super::bricks::Slot;
+use super::lattice::{self, BrickKey};
 use super::marks::Marks;
 use super::points::Points;
 use crate::Error;
 
 /// A set of points in one brick of a mesh. Point (i, j, k) of the lattice is in brick (i / 8, j / 8, k / 8), at index
-/// (i mod 8) + 8 (j mod 8) + 64 (k mod 8). Brick (a, b, c) has the index a + bx (b + by c) in a lattice of bx × by × bz
-/// bricks.
+/// (i mod 8) + 8 (j mod 8) + 64 (k mod 8); divisions round down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BrickMask {
     /// The refinement level: how often the spacing has been halved.
     pub level: u32,
-    /// The index of the brick in the level's lattice.
-    pub brick: u32,
+    /// The coordinates of the brick, packed: x + 2²⁰ in bits 0 to 20, y + 2²⁰ in bits 21 to 41, z + 2²⁰ above.
+    pub brick: u64,
     /// One bit per point: index p is bit p mod 64 of word p / 64.
     pub mask: [u64; 8],
 }
@@ -90,11 +90,7 @@ fn merge(bricks: &mut Vec<BrickMask>, others: &[BrickMask]) {
 
 /// Returns the marked points and clears the marks.
 pub(crate) fn take(marks: &mut Marks) -> Vec<BrickMask> {
-    let levels = (0..).zip(marks.levels());
-    let bricks = levels.flat_map(|(level, marks)| {
-        marks.take_masks().into_iter().map(move |(brick, mask)| BrickMask { level, brick: brick as u32, mask })
-    });
-    bricks.collect()
+    marks.take_masks().into_iter().map(|((level, brick), mask)| BrickMask { level, brick, mask }).collect()
 }
 
 /// Marks those of some points that are empty.
@@ -116,20 +112,21 @@ pub(crate) fn mark(points: &Points, bricks: &[BrickMask], marks: &Marks) -> Resu
 pub(crate) fn for_each_point(
     points: &Points,
     bricks: &[BrickMask],
-    mut visit: impl FnMut(u32, usize, usize, Slot),
+    mut visit: impl FnMut(u32, BrickKey, usize, Slot),
 ) -> Result<(), Error> {
     for &BrickMask { level, brick, mask } in bricks {
         // Refuse bricks outside the lattice.
         let own = (level < points.level_count()).then(|| points.level(level));
-        let Some(level_points) = own.filter(|own| (brick as usize) < own.lattice.brick_count()) else {
-            let what = format!("the mesh has no brick {brick} on level {level}: it is of another mesh");
+        let Some(level_points) = own.filter(|own| own.lattice.contains_brick(brick)) else {
+            let [x, y, z] = lattice::coordinate(brick, 0).to_array().map(|c| c / 8);
+            let what = format!("the mesh has no brick ({x}, {y}, {z}) on level {level}: it is of another mesh");
             return Err(Error::InvalidBricks { what });
         };
 
         // Visit the points that are set.
-        let slots = level_points.bricks.brick(brick as usize);
+        let slots = level_points.bricks.brick(brick);
         let set = (0..512).filter(|local| mask[local / 64] >> (local % 64) & 1 != 0);
-        set.for_each(|local| visit(level, brick as usize, local, slots.slot(local)));
+        set.for_each(|local| visit(level, brick, local, slots.slot(local)));
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! D_y: which mesh points a surface point reads, and with what weight.
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{IVec3, Vec3, Vec4};
 
 use super::bricks::Slot;
 use super::corners::{ByCorner, ONES, corner};
@@ -165,7 +165,7 @@ pub(super) fn sphere(
     for z in low.z..=high.z {
         for y in low.y..=high.y {
             for x in low.x..=high.x {
-                let coordinate = UVec3::new(x, y, z);
+                let coordinate = IVec3::new(x, y, z);
                 let point = lattice.point(coordinate);
                 let d = point - vertex.position;
                 if point.distance_squared(center) <= r * r && vertex.ng.dot(d) > 0.0 {

@@ -1,6 +1,6 @@
 //! Random numbers without a state: hashes of seeds, positions and counters.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
 /// PCG's output hash of 32 bits (Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020, section 4).
 pub(crate) fn hash(x: u32) -> u32 {
@@ -22,13 +22,17 @@ pub(crate) fn seed_of_position(p: Vec3) -> u32 {
 }
 
 /// The seed of a coordinate of the mesh's lattice.
-pub(crate) fn seed_of_coordinate(seed: u64, c: UVec3) -> u32 {
+pub(crate) fn seed_of_coordinate(seed: u64, c: IVec3) -> u32 {
+    seed_of_numbers(seed, c.as_uvec3())
+}
+
+fn seed_of_numbers(seed: u64, c: UVec3) -> u32 {
     hash(hash(hash(fold_seed(seed) ^ c.x) ^ c.y) ^ c.z)
 }
 
 /// The seed of a surface point.
 pub(crate) fn seed_of_surface(seed: u64, p: Vec3) -> u32 {
-    seed_of_coordinate(seed, UVec3::from_array(p.to_array().map(f32::to_bits)))
+    seed_of_numbers(seed, UVec3::from_array(p.to_array().map(f32::to_bits)))
 }
 
 /// 32 random bits as a number in [0, 1): the upper 24, as many as a float holds exactly.

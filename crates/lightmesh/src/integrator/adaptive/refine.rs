@@ -89,7 +89,7 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
 /// Refines the cells with the largest sums of squared errors, at most `fit` cells, until the sum of the others is at
 /// most `most`. Returns how many cells it refined.
 fn refine_worst(points: &mut Points, errors: &[(ShadingPoint, f64)], most: f64, fit: u64) -> usize {
-    let mut cells: BTreeMap<(u32, [u32; 3]), f64> = BTreeMap::new();
+    let mut cells: BTreeMap<(u32, [i32; 3]), f64> = BTreeMap::new();
     for (point, square) in errors {
         let (level, cell) = points.cell(point);
         *cells.entry((level, cell.to_array())).or_default() += square;

@@ -17,12 +17,12 @@ pub struct PointSnapshot {
     /// The lattice of each level; level l has half the spacing of level l − 1.
     pub lattices: Vec<LatticeShape>,
     /// Level and lattice coordinates of each valid point, `[level, i, j, k]`. N is their number.
-    pub addresses: Vec<[u32; 4]>,
+    pub addresses: Vec<[i32; 4]>,
     /// For each valid point, the distance to the next opaque surface along +x, −x, +y, −y, +z, −z, in 1/255 of its
     /// level's spacing, rounded down, at most 254. 255: there is no surface up to the neighbouring point.
     pub clearances: Vec<[u8; 6]>,
     /// Level and lattice coordinates of each invalid point.
-    pub invalid: Vec<[u32; 4]>,
+    pub invalid: Vec<[i32; 4]>,
 }
 
 /// Points of the direct mesh with their values.
@@ -91,9 +91,9 @@ impl PointSnapshot {
     }
 
     /// Returns positions; NaN for addresses on levels that there are not.
-    fn positions_of(&self, addresses: &[[u32; 4]]) -> Vec<[f32; 3]> {
-        let position = |&[level, i, j, k]: &[u32; 4]| {
-            self.lattices.get(level as usize).map_or([f32::NAN; 3], |lattice| lattice.position([i, j, k]))
+    fn positions_of(&self, addresses: &[[i32; 4]]) -> Vec<[f32; 3]> {
+        let position = |&[level, i, j, k]: &[i32; 4]| {
+            self.lattices.get(level.max(0) as usize).map_or([f32::NAN; 3], |lattice| lattice.position([i, j, k]))
         };
         addresses.iter().map(position).collect()
     }

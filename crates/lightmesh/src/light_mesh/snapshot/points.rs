@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use glam::UVec3;
+use glam::IVec3;
 
 use super::{PointCursor, PointSnapshot};
 use crate::Error;
@@ -17,7 +17,7 @@ impl Points {
 
     /// Copies the points since `cursor`.
     pub(crate) fn snapshot_since(&self, cursor: PointCursor) -> PointSnapshot {
-        let plain = |&Address { level, coordinate: c }: &Address| [level, c.x, c.y, c.z];
+        let plain = |&Address { level, coordinate: c }: &Address| [level as i32, c.x, c.y, c.z];
         let first = cursor.valid.min(self.len());
         let invalid = self.invalid_addresses();
         PointSnapshot {
@@ -33,8 +33,8 @@ impl Points {
         let mut snapshot = PointSnapshot { lattices: self.shapes().collect(), ..PointSnapshot::default() };
         let mut indices = Vec::new();
         requests::for_each_point(self, bricks, |level, brick, local, slot| {
-            let c = self.level(level).lattice.coordinate(brick, local);
-            let address = [level, c.x, c.y, c.z];
+            let c = lattice::coordinate(brick, local);
+            let address = [level as i32, c.x, c.y, c.z];
             match slot {
                 Slot::Empty => {}
                 Slot::Invalid => snapshot.invalid.push(address),
@@ -76,9 +76,9 @@ impl Points {
         // Check the arrays of points.
         check_length(&format!("{field} clearances"), snapshot.clearances.len(), &[snapshot.addresses.len()])?;
         for (array, addresses) in [("addresses", &snapshot.addresses), ("invalid points", &snapshot.invalid)] {
-            let is_outside = |&[level, i, j, k]: &[u32; 4]| {
-                own.get(level as usize)
-                    .is_none_or(|lattice| [i, j, k].iter().zip(lattice.size).any(|(&c, size)| c >= size))
+            let is_outside = |&[level, i, j, k]: &[i32; 4]| {
+                let level = u32::try_from(level).ok().filter(|&level| level < self.level_count());
+                level.is_none_or(|level| !self.level(level).lattice.contains(IVec3::new(i, j, k)))
             };
             if let Some(i) = addresses.iter().position(is_outside) {
                 let [level, x, y, z] = addresses[i];
@@ -97,7 +97,6 @@ impl Points {
             let Address { level, coordinate } = from_plain(address);
             let (brick, local) = lattice::split(coordinate);
             let level_bricks = &self.level(level).bricks;
-            let brick = self.level(level).lattice.brick_index(brick);
             if level_bricks.slot(brick, local) == Slot::Empty {
                 new += 1;
                 if !level_bricks.exists(brick) {
@@ -132,6 +131,6 @@ impl Points {
 }
 
 /// Returns the address that these numbers are.
-fn from_plain([level, x, y, z]: [u32; 4]) -> Address {
-    Address { level, coordinate: UVec3::new(x, y, z) }
+fn from_plain([level, x, y, z]: [i32; 4]) -> Address {
+    Address { level: level as u32, coordinate: IVec3::new(x, y, z) }
 }

@@ -1,6 +1,6 @@
 //! What a reader keeps of the cell that it read last: neighbouring surface points mostly share it.
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{IVec3, Vec3, Vec4};
 
 use super::super::bricks::Slot;
 use super::super::clearance::{self, Clearance, FreeEdges, blocked, boxed_in, component, distances, free_edges};
@@ -44,7 +44,7 @@ impl CellCache {
     /// No cell.
     pub(super) fn new() -> Self {
         Self {
-            coordinate: UVec3::MAX,
+            coordinate: IVec3::MAX,
             slots: [Slot::Empty; 8],
             refined: 0,
             filled: 0,
