@@ -197,7 +197,7 @@ impl GatherRays {
                 path = passed;
             } else {
                 // Add emission that no light sample stands for.
-                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(hit.target) {
+                if surface.illuminating != Vec3::ZERO && scene.is_unsampled(&hit, surface.position) {
                     self.emitted.push((id, beta * surface.illuminating));
                 }
 

@@ -80,7 +80,7 @@ fn shade_exactly(context: LightingContext<'_>, blocks: &mut [&mut PointBlock], s
     let LightingContext { scene, options, reporter, .. } = context;
     blocks.par_iter_mut().for_each(|block| {
         if !reporter.cancelled() {
-            block.batch.shade_exactly(scene, scene.emitters().all(), options.transport.falloff);
+            block.batch.shade_exactly(scene, scene.emitters().all(), options.transport.falloff, options.seed);
         }
         block.report(reporter);
     });

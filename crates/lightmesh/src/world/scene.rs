@@ -4,9 +4,9 @@ use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
 use crate::Error;
-use crate::bvh::{SceneBvh, Target};
+use crate::bvh::{Hit, SceneBvh};
 use crate::geometry::Aabb;
-use crate::light::{Emitters, LightSamples};
+use crate::light::{Emitters, LightSamples, SampledLight};
 use crate::scene::{AlphaMode, EmitterOptions, Material, Mipmap, SceneData, build_mipmaps, validate};
 
 /// A checked scene with all that rays need. It does not change: a [`LightMesh`](crate::LightMesh) may outlive many
@@ -76,7 +76,7 @@ impl Scene {
         let opaque: Vec<bool> = data.materials.iter().map(is_opaque).collect();
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
-        let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
+        let emitters = Emitters::new(&data, &bvh, &emitter_options)?;
         let mipmaps = build_mipmaps(&data);
         let level = Level::new();
         let all_opaque = opaque.iter().all(|&s| s);
@@ -181,9 +181,14 @@ impl Scene {
         !self.emitters.area.is_dark() || self.emitters.environment.is_some()
     }
 
-    /// Whether a surface's emission is not sampled, but left to gather rays.
-    pub(crate) fn is_unsampled(&self, target: Target) -> bool {
-        !self.emitters.area.is_sampled(target)
+    /// Whether the emission of what was hit at a position is not sampled, but left to gather rays.
+    pub(crate) fn is_unsampled(&self, hit: &Hit, position: Vec3) -> bool {
+        !self.emitters.area.is_sampled(&self.data, hit, position)
+    }
+
+    /// Returns a random point of what a lane of some of its lights stands for: see [`Emitters::random_point`].
+    pub(crate) fn random_light(&self, lights: &LightSamples, lane: usize, seed: u32) -> Option<SampledLight> {
+        self.emitters.random_point(&self.data, lights, lane, seed)
     }
 
     /// Whether there are emitters that are not sampled: weak ones, and user-defined shapes.
