@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
-use crate::light::{Directions, LightCut};
-use crate::sampling::{hash, unit_f32};
+use crate::light::{Directions, LightCut, Stratum, shadow_ray_to};
+use crate::sampling::{hash, seed_of_position, unit_f32};
 use crate::world::Scene;
 
 /// Estimates light with few rays, with buffers that it keeps; one per worker.
@@ -59,19 +59,27 @@ impl FewRaysShader {
         self.rays.clear();
         self.weights.clear();
         let direction = |lane: usize| Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
-        let mut ray_to = |i: usize, weight: Vec3| {
+        let seed_of_places = hash(seed ^ seed_of_position(vertex.position));
+        let mut ray_to = |i: usize, scale: f32| {
             let lane = self.lanes[i] as usize;
-            self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction(lane))));
-            self.weights.push(weight);
+            if lights.stratum(lane) == Stratum::Point {
+                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction(lane))));
+                self.weights.push(self.terms[i] * scale);
+            } else if let Some(light) = scene.random_light(lights, lane, seed_of_places) {
+                // A random point of the part of the emitter that the lane stands for.
+                let (towards, f) = light.arriving(falloff, vertex.position);
+                self.rays.push(shadow_ray_to(&light, vertex.origin_towards(towards)));
+                self.weights.push(light.intensity * (vertex.n.dot(towards) * f).max(0.0) * scale);
+            }
         };
         if self.terms.len() <= most as usize {
-            self.terms.iter().enumerate().for_each(|(i, &term)| ray_to(i, term));
+            (0..self.terms.len()).for_each(|i| ray_to(i, 1.0));
         } else {
             for k in 0..most {
                 let u = (k as f32 + unit_f32(hash(seed ^ hash(k)))) / most as f32;
                 let i = self.sums.partition_point(|&sum| sum <= u * total).min(self.terms.len() - 1);
                 let p = self.terms[i].max_element() / total * most as f32;
-                ray_to(i, self.terms[i] / p);
+                ray_to(i, 1.0 / p);
             }
         }
 

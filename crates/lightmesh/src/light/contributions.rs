@@ -5,7 +5,12 @@ use fearless_simd::{Simd, f32x16};
 use glam::Vec3;
 
 use super::samples::{LANES, LightSamples, for_each_block, sum};
+use super::stratum::{LaneStratum, Stratum};
 use crate::Falloff;
+
+/// The least contribution of a stratum that may shine on a surface, in units of its light there if both faced each
+/// other, times its radius over its distance. Empirical, not varied.
+const LEAST: f32 = 0.1;
 
 /// The surface point of a sum, and the attenuation of its lights.
 #[derive(Clone, Copy, Debug)]
@@ -136,6 +141,43 @@ impl LightTerms {
             for i in 0..LANES {
                 let above = n.x * x[i] + n.y * y[i] + n.z * z[i] + radii[i];
                 let raised = if above > 0.0 { least[i] } else { 0.0 }.max(terms.contributions[i]);
+                more += raised - terms.contributions[i];
+                terms.contributions[i] = raised;
+            }
+            terms.contribution += more;
+        }
+    }
+
+    /// Raises the contributions of lights whose strata may shine on a surface of normal n although their middle does
+    /// not: some must be expected wherever light may arrive, or sampling in proportion to it would have a bias.
+    #[inline(always)]
+    pub(crate) fn raise_strata(&mut self, n: Vec3, lights: &LightSamples) {
+        let plain = lights.blocks.len() - lights.patches.len() - lights.spots.len();
+        for (index, terms) in self.blocks.iter_mut().enumerate() {
+            let mut more = 0.0;
+            for i in 0..LANES {
+                let lane = index * LANES + i;
+                let LaneStratum { stratum, reach } = lights.strata[lane];
+                if stratum == Stratum::Point {
+                    continue;
+                }
+                let d = Vec3::new(terms.directions[0][i], terms.directions[1][i], terms.directions[2][i]);
+                let is_direction = lights.is_directional(lane);
+                let r2 = if is_direction { 1.0 } else { d.length_squared().max(0.25 * reach.radius * reach.radius) };
+                let r = r2.sqrt();
+                let ratio = reach.radius / r;
+                // Below the surface, or behind the emitter.
+                if n.dot(d) + reach.radius <= 0.0 {
+                    continue;
+                }
+                if let Some(patch) = index.checked_sub(plain).and_then(|k| lights.patches.get(k)) {
+                    let ahead = -(d.x * patch.ax[i] + d.y * patch.ay[i] + d.z * patch.az[i]) / r;
+                    if ahead.max(ahead * patch.back[i]) + reach.spread + ratio <= 0.0 {
+                        continue;
+                    }
+                }
+                let least = LEAST * (ratio + reach.spread).min(1.0) / r2 * lights.intensity(lane).element_sum() / 3.0;
+                let raised = least.max(terms.contributions[i]);
                 more += raised - terms.contributions[i];
                 terms.contributions[i] = raised;
             }

@@ -5,9 +5,9 @@ use glam::{Mat3, Vec3};
 
 use super::sheets::sheets;
 use crate::Error;
-use crate::bvh::{SceneBvh, Target, flattened_meshes};
+use crate::bvh::{Hit, SceneBvh, flattened_meshes};
 use crate::geometry::Aabb;
-use crate::light::{Emitters, LightSamples, PlaneMirror, plane_mirrors};
+use crate::light::{Emitters, LightSamples, PlaneMirror, SampledLight, plane_mirrors};
 use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
 
 /// Pairs of a lamp and a plane mirror, at most.
@@ -89,7 +89,7 @@ impl Scene {
         let opaque: Vec<bool> = data.materials.iter().map(is_opaque).collect();
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
-        let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
+        let emitters = Emitters::new(&data, &bvh, &emitter_options)?;
         let mirrors = plane_mirrors(&data);
         let pairs = mirrors.iter().flat_map(|&mirror| data.lights.iter().map(move |&light| (light, mirror)));
         let mirrored_lights = pairs.take(MOST_MIRRORED_LIGHTS).collect();
@@ -217,9 +217,14 @@ impl Scene {
         !self.emitters.area.is_dark() || self.emitters.environment.is_some()
     }
 
-    /// Whether a surface's emission is not sampled, but left to gather rays.
-    pub(crate) fn is_unsampled(&self, target: Target) -> bool {
-        !self.emitters.area.is_sampled(target)
+    /// Whether the emission of what was hit at a position is not sampled, but left to gather rays.
+    pub(crate) fn is_unsampled(&self, hit: &Hit, position: Vec3) -> bool {
+        !self.emitters.area.is_sampled(&self.data, hit, position)
+    }
+
+    /// Returns a random point of what a lane of some of its lights stands for: see [`Emitters::random_point`].
+    pub(crate) fn random_light(&self, lights: &LightSamples, lane: usize, seed: u32) -> Option<SampledLight> {
+        self.emitters.random_point(&self.data, lights, lane, seed)
     }
 
     /// Whether rays find emission that light samples do not stand for: that of weak emitters and of user-defined
