@@ -14,7 +14,7 @@ pub fn choose(data: &SceneData, wanted: Option<&str>) -> Result<(Camera, Option<
             Some(camera) => (camera.clone(), None),
             None => {
                 let warning = "the file has no camera: taking one that frames the scene";
-                (Camera::framing(&data.bounds()), Some(warning.to_owned()))
+                (data.framing_camera(), Some(warning.to_owned()))
             }
         });
     };

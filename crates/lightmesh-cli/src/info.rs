@@ -1,5 +1,7 @@
 //! `lightmesh info`.
 
+use glam::{DVec3, Vec3};
+use lightmesh::geometry::Aabb;
 use lightmesh::{Camera, ImageData, Light, Projection, Scene, SceneData, Texels};
 use lightmesh_io::LoadOptions;
 use serde::Serialize;
@@ -65,9 +67,20 @@ struct CameraInfo {
 /// The box around everything, metres.
 #[derive(Debug, Serialize)]
 struct BoxInfo {
-    min: [f32; 3],
-    max: [f32; 3],
-    size: [f32; 3],
+    min: [f64; 3],
+    max: [f64; 3],
+    size: [f64; 3],
+}
+
+impl BoxInfo {
+    /// The box in the file's coordinates.
+    fn new(bounds: &Aabb, origin: DVec3) -> Self {
+        // The shortest decimals of the floats, not their binary tails.
+        let decimal = |x: f32| x.to_string().parse::<f64>().unwrap_or(x.into());
+        let decimals = |p: Vec3| DVec3::new(decimal(p.x), decimal(p.y), decimal(p.z));
+        let (min, max, size) = (decimals(bounds.min), decimals(bounds.max), decimals(bounds.size()));
+        Self { min: (min + origin).to_array(), max: (max + origin).to_array(), size: size.to_array() }
+    }
 }
 
 /// Reads the scene and says what it holds.
@@ -105,7 +118,7 @@ fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
         lights: count_lights(&data.lights),
         environment: data.environment.as_ref().and_then(|e| e.map.as_ref()).map(texture),
         cameras: data.cameras.iter().enumerate().map(|(index, c)| camera(index, c)).collect(),
-        r#box: BoxInfo { min: bounds.min.to_array(), max: bounds.max.to_array(), size: bounds.size().to_array() },
+        r#box: BoxInfo::new(&bounds, data.origin),
         warnings,
     }
 }
@@ -182,6 +195,6 @@ fn describe(info: &Info) -> String {
     lines.join("\n")
 }
 
-fn triple([x, y, z]: [f32; 3]) -> String {
+fn triple([x, y, z]: [f64; 3]) -> String {
     format!("({x:.3}, {y:.3}, {z:.3})")
 }

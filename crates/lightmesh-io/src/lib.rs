@@ -47,6 +47,7 @@ mod scene_file;
 mod srgb;
 mod texture_image;
 mod warnings;
+mod world_origin;
 
 pub use environment_map::{EnvironmentMap, read_environment};
 pub use error::Error;

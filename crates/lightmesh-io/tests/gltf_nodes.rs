@@ -3,7 +3,7 @@
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4};
 
 use crate::common::{Gltf, assert_says, assert_warns};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lightmesh::{Light, Projection};
 use lightmesh_io::{LoadOptions, Units};
 use serde_json::json;
@@ -63,7 +63,32 @@ fn a_hundred_thousand_levels_do_not_overflow_the_stack() {
     let depth = 100_000;
     gltf.json["nodes"] = (0..depth).map(|i| json!({"translation": [0.5, 0, 0], "children": [i + 1]})).collect();
     gltf.push("nodes", json!({"mesh": 0}));
-    assert_eq!(corner(&gltf, 0), Vec3::new(50_001.0, 0.0, 0.0));
+    let origin = gltf.load().unwrap().data.origin;
+    assert_eq!(corner(&gltf, 0).as_dvec3() + origin, DVec3::new(50_001.0, 0.0, 0.0));
+}
+
+/// Survey coordinates of a parent node: what hangs on it comes out as next to the origin, lights too, and cameras keep
+/// the file's coordinates in double precision.
+#[test]
+fn scenes_far_away_are_recentred_in_double_precision() {
+    let mut gltf = Gltf::triangle();
+    let far = [4_500_000.1, 0.3, -5_999_999.7];
+    gltf.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    gltf.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}));
+    gltf.json["nodes"] = json!([
+        {"translation": far, "children": [1, 2, 3]},
+        {"mesh": 0, "translation": [0.001, 0, 0]},
+        {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0.002, 0, 0]},
+        {"camera": 0, "translation": [0.003, 0, 0]},
+    ]);
+    gltf.json["scenes"] = json!([{"nodes": [0]}]);
+    let data = gltf.load().unwrap().data;
+    assert_eq!(data.origin, (DVec3::from_array(far) / 1024.0).round() * 1024.0);
+    let off = |place: DVec3, x: f64| (place - DVec3::from_array(far) - DVec3::X * x).length();
+    let mesh = Vec3::from(data.instances[0].world_from_object.translation).as_dvec3() + data.origin;
+    let Light::Point { position, .. } = data.lights[0] else { panic!("{:?}", data.lights) };
+    assert!(off(mesh, 0.001) < 1e-4 && off(position.as_dvec3() + data.origin, 0.002) < 1e-4);
+    assert!(off(data.cameras[0].world_from_camera.translation, 0.003) < 1e-9);
 }
 
 #[test]
@@ -225,7 +250,7 @@ fn cameras_have_their_nodes_names_and_the_files_order() {
     let cameras = gltf.load().unwrap().data.cameras;
     assert_eq!(cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["front", "plan"]);
     assert_eq!(cameras[0].projection, Projection::Perspective { yfov: 0.5, aspect: Some(1.5) });
-    assert_eq!(Vec3::from(cameras[0].world_from_camera.translation), Vec3::new(0.0, 1.0, 2.0));
+    assert_eq!(cameras[0].world_from_camera.translation.as_vec3(), Vec3::new(0.0, 1.0, 2.0));
     assert_eq!(cameras[1].projection, Projection::Orthographic { xmag: 4.0, ymag: 3.0 });
 
     for broken in [

@@ -1,6 +1,6 @@
 //! Cameras.
 
-use glam::{Affine3A, Mat3A, Vec3};
+use glam::{DAffine3, DMat3};
 use lightmesh::{Camera, Projection};
 use pyo3::prelude::*;
 
@@ -44,8 +44,8 @@ impl PyCamera {
                 let Some(right) = up.cross(back).try_normalize() else {
                     return Err(error::scene(py, "up: the camera looks along it"));
                 };
-                let matrix3 = Mat3A::from_cols(right.into(), back.cross(right).into(), back.into());
-                Affine3A { matrix3, translation: eye.into() }
+                let matrix3 = DMat3::from_cols(right.as_dvec3(), back.cross(right).as_dvec3(), back.as_dvec3());
+                DAffine3 { matrix3, translation: eye.as_dvec3() }
             }
         };
         let projection = Projection::Perspective { yfov, aspect };
@@ -81,7 +81,7 @@ impl PyCamera {
     /// Its position, metres.
     #[getter]
     fn eye(&self) -> (f32, f32, f32) {
-        Vec3::from(self.camera.world_from_camera.translation).into()
+        self.camera.world_from_camera.translation.as_vec3().into()
     }
 
     /// Vertical field of view, radians; None for parallel rays.
@@ -106,9 +106,14 @@ impl PyCamera {
     }
 }
 
+/// In double precision.
+fn daffine(m: &glam::Affine3A) -> DAffine3 {
+    DAffine3::from_cols_array(&m.to_cols_array().map(f64::from))
+}
+
 impl PyCamera {
     fn placed(matrix: &Bound<'_, PyAny>, projection: Projection, name: &str) -> PyResult<Self> {
-        let world_from_camera = arrays::affine(matrix, "world_from_camera")?;
+        let world_from_camera = daffine(&arrays::affine(matrix, "world_from_camera")?);
         Self::checked(matrix.py(), Camera { name: name.to_owned(), world_from_camera, projection })
     }
 

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::error::Raise;
 use crate::listener::Listener;
-use crate::scene::LitScene;
+use crate::scene::{LitScene, relative};
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{arrays, json};
@@ -27,6 +27,8 @@ pub(crate) fn measure(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Reading> {
     let LitScene { keywords, built } = lit;
+    let here = |meter: &Meter| Meter { position: relative(built.scene.data(), meter.position), ..*meter };
+    let meters: Vec<Meter> = meters.iter().map(here).collect();
     let mesh = mesh.cloned();
     let listener = Listener::new(py, progress)?;
     let work = move |watch: &Watch| {

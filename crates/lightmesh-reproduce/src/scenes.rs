@@ -38,7 +38,7 @@ pub(crate) fn read(name: SceneName) -> Result<(SceneData, Camera), Error> {
             }
         }
     }
-    let camera = data.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&data.bounds()));
+    let camera = data.cameras.first().cloned().unwrap_or_else(|| data.framing_camera());
     Ok((data, camera))
 }
 

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use crate::common::*;
 use glam::{Vec2, Vec3, Vec4};
-use lightmesh::geometry::Sphere;
+use lightmesh::geometry::{Sphere, TriangleMesh};
 use lightmesh::metrics::difference;
 use lightmesh::{
     AlphaMode, Camera, Filter, ImageData, Light, Material, Method, RenderOptions, Scene, SceneData, Texels, Texture,
@@ -194,6 +194,46 @@ fn panes_are_seen_through_alike() {
         let seen = middle(&scene, &camera, &options(Method::Standard)).x;
         assert!((seen - expected).abs() < 4e-3, "{seen}");
     }
+}
+
+/// A ball of 12 × 6 quads with smooth normals: E n · l at the edge of the shade too, where a facet faces away from the
+/// sun; nothing where n · l < 0.
+#[test]
+fn smooth_balls_of_few_triangles_have_no_black_facets() {
+    let mut mesh = TriangleMesh::default();
+    for i in 0..=6 {
+        for j in 0..12 {
+            let (t, p) = (PI * i as f32 / 6.0, PI * j as f32 / 6.0);
+            mesh.positions.push(Vec3::new(t.sin() * p.cos(), t.cos(), -t.sin() * p.sin()));
+            let at = |i: u32, j: u32| i * 12 + j % 12;
+            if i < 6 {
+                mesh.triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                mesh.triangles.push([at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]);
+            }
+        }
+    }
+    mesh.normals = mesh.positions.clone();
+    let mut data = SceneData { materials: vec![Material::lambert(Vec3::ONE)], ..SceneData::default() };
+    place(&mut data, mesh);
+    let light = Vec3::new(3.0, 0.6, 0.6).normalize();
+    data.lights.push(Light::Directional { direction: -light, illuminance_lux: Vec3::splat(PI) });
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, 0.5);
+    let image = shoot(&scene, &camera, &options(Method::Standard).with(|o| o.transport.bounces = 0)).image;
+    let mut lit = 0;
+    for (i, pixel) in image.pixels.iter().enumerate() {
+        let ray = camera.film(64, 48).ray((i % 64) as f32 + 0.5, (i / 64) as f32 + 0.5);
+        let b = -ray.origin.dot(ray.direction);
+        let discriminant = b * b - ray.origin.length_squared() + 1.0;
+        // Not at the outline, where facets cut off the ball.
+        if discriminant > 0.15 {
+            let cos = ray.at(b - discriminant.sqrt()).dot(light);
+            lit += usize::from(cos > 0.08);
+            assert!(cos < 0.08 || pixel.x > 0.02, "{i}: {} {cos}", pixel.x);
+            assert!(cos > -0.15 || pixel.x == 0.0, "{i}: {} {cos}", pixel.x);
+        }
+    }
+    assert!(lit > 300, "{lit}");
 }
 
 /// Emission and unlit colours are seen as they are, whatever the light.

@@ -13,7 +13,7 @@ pub(crate) fn from_root(path: &str) -> PathBuf {
 /// A scene file and its first camera, or one that sees all of it.
 pub(crate) fn open(path: &str) -> Result<(SceneData, Camera), Box<dyn std::error::Error>> {
     let data = load(&from_root(path), &LoadOptions::default())?.data;
-    let camera = data.cameras.first().cloned().unwrap_or_else(|| Camera::framing(&data.bounds()));
+    let camera = data.cameras.first().cloned().unwrap_or_else(|| data.framing_camera());
     Ok((data, camera))
 }
 

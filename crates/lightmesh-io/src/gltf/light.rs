@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use lightmesh::Light;
 
 use super::context::{Context, Place, place};
@@ -15,15 +15,20 @@ use crate::load_options::Units;
 /// Luminous efficacy that Blender's exporter multiplies lamps by, lm/W.
 const LUMENS_PER_WATT: f32 = 683.0;
 
-/// Reads the scene's lights in the order of their nodes.
-pub(super) fn lights(context: &mut Context<'_>, document: &Document, placed: &[Placed]) -> Result<Vec<Light>, Error> {
+/// Reads the scene's lights in the order of their nodes, relative to its origin.
+pub(super) fn lights(
+    context: &mut Context<'_>,
+    document: &Document,
+    placed: &[Placed],
+    origin: DVec3,
+) -> Result<Vec<Light>, Error> {
     let descriptions = document.extensions.lights_punctual.as_ref().map_or(&[][..], |l| &l.lights);
     context.spend("lights", placed.len() as u64, size_of::<Light>() as u64)?;
     let mut lights = Vec::with_capacity(placed.len());
     for placed in placed {
         let node_place = place("node", placed.node, document.nodes[placed.node].name.as_deref());
         let description = context.get(descriptions, "light", placed.index, node_place)?;
-        lights.extend(light(context, node_place, placed, description)?);
+        lights.extend(light(context, node_place, placed, description, origin)?);
     }
     Ok(lights)
 }
@@ -34,6 +39,7 @@ fn light(
     node_place: Place<'_>,
     placed: &Placed,
     light: &json::Light,
+    origin: DVec3,
 ) -> Result<Option<Light>, Error> {
     // Check its colour and intensity, and convert the unit.
     let light_place = place("light", placed.index, light.name.as_deref());
@@ -64,8 +70,8 @@ fn light(
     });
 
     // A light shines along its node's −Z; scale does not change it.
-    let position = Vec3::from(placed.world_from_node.translation);
-    let direction = unit(Vec3::from(-placed.world_from_node.matrix3.z_axis));
+    let position = placed.position(origin);
+    let direction = unit(-placed.world_from_node.matrix3.z_axis.as_vec3());
     Ok(match (light.kind, direction) {
         (json::LightKind::Point, _) => Some(Light::Point { position, intensity_cd: strength, range }),
         (_, None) => {

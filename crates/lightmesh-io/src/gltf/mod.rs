@@ -27,7 +27,8 @@ mod uri;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use lightmesh::geometry::Aabb;
 use lightmesh::{Instance, Material, SceneData, TextureRef};
 
 use self::buffer::Buffers;
@@ -37,6 +38,7 @@ use self::texture::Textures;
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
 use crate::load_options::{LoadOptions, Loaded};
+use crate::world_origin::{WorldOrigin, bring_near};
 
 /// Reads a glTF that is in memory. `file` is its name for messages; URIs are looked up in `folder`, and a file that has
 /// them is refused where it is `None`.
@@ -70,24 +72,25 @@ pub(crate) fn read(
     // Nodes: which meshes, lights and cameras the chosen scene has, and where.
     let visit = node::visit(&mut context, &document)?;
     let buffers = Buffers::open(&mut context, &document, container.binary)?;
-    let mut data = SceneData {
-        lights: light::lights(&mut context, &document, &visit.lights)?,
-        cameras: camera::cameras(&mut context, &document, &visit.cameras)?,
-        ..SceneData::default()
-    };
+    let mut data =
+        SceneData { cameras: camera::cameras(&mut context, &document, &visit.cameras)?, ..SceneData::default() };
 
     // Meshes that the scene uses, each decoded once, then their places.
     let mut materials = Used::default();
-    let mut loaded = BTreeMap::new();
+    let (mut loaded, mut shifts) = (BTreeMap::new(), Vec::new());
     for &mesh in visit.meshes.iter().map(|placed| &placed.index) {
         if let std::collections::btree_map::Entry::Vacant(entry) = loaded.entry(mesh) {
-            let primitives = mesh::primitives(&mut context, &buffers, mesh, &mut materials)?;
+            let mut primitives = mesh::primitives(&mut context, &buffers, mesh, &mut materials)?;
+            shifts.extend(primitives.iter_mut().map(bring_near));
             let first = data.meshes.len();
             data.meshes.extend(primitives);
             entry.insert(first..data.meshes.len());
         }
     }
-    place_meshes(&mut context, &document, &visit.meshes, &loaded, &mut data)?;
+    let bounds: Vec<Aabb> = data.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    data.origin = world_origin(&visit, &loaded, &shifts, &bounds);
+    data.lights = light::lights(&mut context, &document, &visit.lights, data.origin)?;
+    place_meshes(&mut context, &document, &visit.meshes, &Loading { loaded, shifts, bounds }, &mut data)?;
     if data.instances.is_empty() {
         let what = match visit.meshes.is_empty() {
             true => "no node of the scene has a mesh; is it the right file and scene?",
@@ -138,33 +141,65 @@ impl<K: Copy + Ord> Used<K> {
     }
 }
 
+/// The meshes that were read.
+struct Loading {
+    /// Of each of the file's meshes, those that its primitives have become.
+    loaded: BTreeMap<usize, std::ops::Range<usize>>,
+    /// By how much each was moved towards the origin of its own space.
+    shifts: Vec<DVec3>,
+    /// The box around each.
+    bounds: Vec<Aabb>,
+}
+
+/// Chooses the origin of the scene: by the middles of meshes, and where there are two minds, by lights and cameras.
+fn world_origin(
+    visit: &node::Visit,
+    loaded: &BTreeMap<usize, std::ops::Range<usize>>,
+    shifts: &[DVec3],
+    bounds: &[Aabb],
+) -> DVec3 {
+    let middle = |mesh: usize| bounds[mesh].center().as_dvec3() + shifts[mesh];
+    let placed = |placed: &node::Placed| {
+        let world_from_node = placed.world_from_node;
+        loaded[&placed.index].clone().map(move |mesh| world_from_node.transform_point3(middle(mesh)))
+    };
+    let meshes: Vec<DVec3> = visit.meshes.iter().flat_map(placed).collect();
+    let places = |placed: &[node::Placed]| placed.iter().map(node::Placed::place).collect::<Vec<_>>();
+    let mut origin = WorldOrigin::default();
+    origin.add(&meshes, 1.0);
+    origin.add(&places(&visit.lights), 0.25);
+    origin.add(&places(&visit.cameras), 0.25);
+    origin.choose()
+}
+
 /// One instance per node and primitive. An instance without volume to stand in, or outside what f32 can hold, is not
 /// rendered.
 fn place_meshes(
     context: &mut Context<'_>,
     document: &Document,
     placed: &[node::Placed],
-    loaded: &BTreeMap<usize, std::ops::Range<usize>>,
+    loading: &Loading,
     data: &mut SceneData,
 ) -> Result<(), Error> {
-    let bounds: Vec<_> = data.meshes.iter().map(|mesh| mesh.bounds()).collect();
+    let Loading { loaded, shifts, bounds } = loading;
     let instances: usize = placed.iter().map(|placed| loaded[&placed.index].len()).sum();
     context.spend("instances of meshes", instances as u64, size_of::<Instance>() as u64)?;
     data.instances.reserve_exact(instances);
-    for node::Placed { node, index, world_from_node } in placed {
-        let node_place = place("node", *node, document.nodes[*node].name.as_deref());
+    for placed in placed {
+        let node_place = place("node", placed.node, document.nodes[placed.node].name.as_deref());
         // A determinant that underflows has no inverse in f32, and a surface that is scaled to nothing cannot be seen.
-        if !world_from_node.matrix3.determinant().is_normal() {
+        if !placed.from_shifted(DVec3::ZERO, data.origin).matrix3.determinant().is_normal() {
             context.warnings.add(node_place, "its scale is zero in some direction: its mesh is left out");
             continue;
         }
-        for mesh in loaded[index].clone() {
-            let world = bounds[mesh].transformed(world_from_node);
+        for mesh in loaded[&placed.index].clone() {
+            let world_from_object = placed.from_shifted(shifts[mesh], data.origin);
+            let world = bounds[mesh].transformed(&world_from_object);
             if !(world.min.is_finite() && world.max.is_finite()) {
                 return Err(context
                     .invalid(node_place, "its mesh's positions leave the range of 32-bit floats; check its scale"));
             }
-            data.instances.push(Instance { mesh, world_from_object: *world_from_node });
+            data.instances.push(Instance { mesh, world_from_object });
         }
     }
     Ok(())

@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 
-use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4};
+use glam::{Affine3A, DAffine3, DMat4, DQuat, DVec3, DVec4, Vec3};
 
 use super::context::{Context, place};
 use super::json::{Document, Node};
 use crate::error::{Error, one_line};
+use crate::world_origin::relative;
 
 /// Something that a node carries, with the node's place in the world.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +16,35 @@ pub(super) struct Placed {
     pub(super) node: usize,
     /// Index of the mesh, light or camera.
     pub(super) index: usize,
-    /// World space from the node's space.
-    pub(super) world_from_node: Affine3A,
+    /// The file's coordinates from the node's space.
+    pub(super) world_from_node: DAffine3,
+}
+
+impl Placed {
+    /// Where the node's origin is.
+    pub(super) fn place(&self) -> DVec3 {
+        self.world_from_node.translation
+    }
+
+    /// Returns where the node's origin is, relative to a scene's.
+    pub(super) fn position(&self, origin: DVec3) -> Vec3 {
+        relative(self.place(), origin)
+    }
+
+    /// Returns the transform to coordinates relative to a scene's origin, from a mesh that was moved by −`shift`.
+    pub(super) fn from_shifted(&self, shift: DVec3, origin: DVec3) -> Affine3A {
+        let mut world = self.world_from_node;
+        if shift != DVec3::ZERO {
+            world.translation = world.transform_point3(shift);
+        }
+        world.translation -= origin;
+        rounded(&world)
+    }
+}
+
+/// In single precision.
+fn rounded(transform: &DAffine3) -> Affine3A {
+    Affine3A::from_cols_array(&transform.to_cols_array().map(|value| value as f32))
 }
 
 /// The meshes, lights and cameras on the nodes of a scene, parents before children, siblings in the file's order.
@@ -56,8 +84,7 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
 
         // In double precision, so that deep hierarchies do not add up rounding errors.
         let world = world_from_parent * parent_from_node(context, index, node)?;
-        let world_from_node = Affine3A::from_cols_array(&world.to_cols_array().map(|value| value as f32));
-        if !world_from_node.is_finite() {
+        if !rounded(&world).is_finite() {
             return Err(context
                 .invalid(node_place, "its transform leaves the range of 32-bit floats; check its parents' scales"));
         }
@@ -65,7 +92,7 @@ pub(super) fn visit(context: &mut Context<'_>, document: &Document) -> Result<Vi
         let carried =
             [(node.mesh, &mut visit.meshes), (node.camera, &mut visit.cameras), (light_of(node), &mut visit.lights)];
         for (what, list) in carried {
-            list.extend(what.map(|what| Placed { node: index, index: what, world_from_node }));
+            list.extend(what.map(|what| Placed { node: index, index: what, world_from_node: world }));
         }
         if node.skin.is_some() && node.mesh.is_some() {
             context.warnings.add(node_place, "skins are not read: the mesh is shown in its rest pose");
@@ -150,7 +177,7 @@ fn parentless(context: &mut Context<'_>, document: &Document) -> Vec<usize> {
 fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Result<DAffine3, Error> {
     let node_place = place("node", index, node.name.as_deref());
     if let Some(matrix) = &node.matrix {
-        let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
+        let matrix = DMat4::from_cols_array(matrix);
         // Empirical: exporters that invert and multiply in f32 leave 1e-7 there; a projection has entries near 1.
         if (matrix.row(3) - DVec4::W).abs().max_element() > 1e-4 {
             return Err(
@@ -161,10 +188,10 @@ fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Res
     }
 
     // Compose the transform of its parts; a quaternion need not have unit length.
-    let rotation = match node.rotation {
+    let rotation = match &node.rotation {
         None => DQuat::IDENTITY,
         Some(rotation) => {
-            let quaternion = DVec4::from_array(rotation.map(f64::from));
+            let quaternion = DVec4::from_array(**rotation);
             match quaternion.try_normalize() {
                 Some(unit) => DQuat::from_vec4(unit),
                 None => {
@@ -176,10 +203,9 @@ fn parent_from_node(context: &mut Context<'_>, index: usize, node: &Node) -> Res
             }
         }
     };
-    let vector = |value: Option<[f32; 3]>, default| value.map_or(default, |v| DVec3::from_array(v.map(f64::from)));
     Ok(DAffine3::from_scale_rotation_translation(
-        vector(node.scale, DVec3::ONE),
+        node.scale.map_or(DVec3::ONE, |scale| DVec3::from_array(scale.map(f64::from))),
         rotation,
-        vector(node.translation, DVec3::ZERO),
+        node.translation.as_ref().map_or(DVec3::ZERO, |translation| DVec3::from_array(**translation)),
     ))
 }

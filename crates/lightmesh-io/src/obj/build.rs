@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use lightmesh::geometry::TriangleMesh;
 use lightmesh::{Instance, SceneData};
 
@@ -11,14 +11,17 @@ use super::material::Materials;
 use super::parse::{Corner, Obj, Part};
 use crate::error::{Error, one_line};
 use crate::polygon::triangulate;
+use crate::world_origin::{WorldOrigin, relative};
 
 /// Builds the scene: one mesh for each part that has faces, placed once.
 pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, Error> {
-    let mut data = SceneData::default();
+    let mut origin = WorldOrigin::default();
+    origin.add(&obj.positions, 1.0);
+    let mut data = SceneData { origin: origin.choose(), ..SceneData::default() };
     let mut materials = Materials::load(context, &obj.libraries)?;
     for part in obj.parts.iter().filter(|part| !part.ends.is_empty()) {
         let material = materials.index_of(context, &part.material, &mut data)?;
-        let mesh = mesh(context, obj, part, material)?;
+        let mesh = mesh(context, obj, part, material, data.origin)?;
         data.instances.push(Instance { mesh: data.meshes.len(), world_from_object: Affine3A::IDENTITY });
         data.meshes.push(mesh);
     }
@@ -35,8 +38,14 @@ pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, E
 /// The bytes that a vertex takes in the mesh and in the map that finds it again.
 const VERTEX_BYTES: usize = 3 * size_of::<Vec3>() + size_of::<glam::Vec4>() + 2 * size_of::<(Corner, u32)>();
 
-/// Builds the mesh of one part. Corners share a vertex if position, texture coordinate and normal are the same.
-fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> Result<TriangleMesh, Error> {
+/// Builds the mesh of one part, relative to the scene's origin. Corners share a vertex if position, texture coordinate and normal are the same.
+fn mesh(
+    context: &mut Context<'_>,
+    obj: &Obj,
+    part: &Part,
+    material: usize,
+    origin: DVec3,
+) -> Result<TriangleMesh, Error> {
     // Find out which attributes the mesh has.
     let has_normal = |corner: &Corner| corner.normal.is_some_and(|i| obj.normals[i as usize] != Vec3::ZERO);
     let normals = part.corners.iter().any(has_normal);
@@ -60,7 +69,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
         let corners = &part.corners[start..end];
         start = end;
         positions.clear();
-        positions.extend(corners.iter().map(|corner| obj.positions[corner.position as usize]));
+        positions.extend(corners.iter().map(|corner| relative(obj.positions[corner.position as usize], origin)));
         // Where other faces have normals, a corner without one takes its face's, and a vertex of its own.
         let face_normal = if normals && !corners.iter().all(has_normal) { newell(&positions) } else { Vec3::ZERO };
         indices.clear();
@@ -69,7 +78,7 @@ fn mesh(context: &mut Context<'_>, obj: &Obj, part: &Part, material: usize) -> R
             let known = if own_normal { None } else { vertex_of.get(corner).copied() };
             indices.push(known.unwrap_or_else(|| {
                 let index = mesh.positions.len() as u32;
-                mesh.positions.push(obj.positions[corner.position as usize]);
+                mesh.positions.push(relative(obj.positions[corner.position as usize], origin));
                 if normals {
                     let given = corner.normal.map_or(Vec3::ZERO, |i| obj.normals[i as usize]);
                     mesh.normals.push(if own_normal { face_normal } else { given });

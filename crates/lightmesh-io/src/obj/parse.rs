@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Context;
 use crate::error::Error;
@@ -32,7 +32,8 @@ pub(super) struct Part {
 /// The contents of the file.
 #[derive(Debug, Default)]
 pub(super) struct Obj {
-    pub(super) positions: Vec<Vec3>,
+    /// In the file's coordinates, metres.
+    pub(super) positions: Vec<DVec3>,
     /// Linear, for the vertices up to the last that has a colour; others are white.
     pub(super) colors: Vec<Vec3>,
     /// (0, 0) the image's upper left corner.
@@ -122,29 +123,34 @@ pub(super) fn parse(context: &mut Context<'_>, bytes: &[u8]) -> Result<Obj, Erro
 
 /// `v x y z`, `v x y z w` or `v x y z r g b`. The weight w only matters to free-form curves; colours are sRGB.
 fn position(context: &mut Context<'_>, obj: &mut Obj, line: usize, rest: &str) -> Result<(), Error> {
-    context.spend(line, 1, size_of::<Vec3>())?;
-    let values = numbers(context, line, rest)?;
+    context.spend(line, 1, size_of::<DVec3>())?;
+    let values = doubles(context, line, rest)?;
     let &[x, y, z, ..] = &values[..] else {
         return Err(context.syntax(line, "a vertex needs three numbers"));
     };
     if obj.positions.len() >= u32::MAX as usize {
         return Err(context.invalid(line, "more vertices than 32-bit indices can count"));
     }
-    obj.positions.push(Vec3::new(x, y, z));
+    obj.positions.push(DVec3::new(x, y, z));
     if let &[_, _, _, r, g, b, ..] = &values[..] {
         // Vertices before this one that had no colour are white.
         let missing = obj.positions.len() - obj.colors.len();
         context.spend(line, missing, size_of::<Vec3>())?;
         obj.colors.resize(obj.positions.len() - 1, Vec3::ONE);
-        obj.colors.push(Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE).map(linear_from_srgb));
+        obj.colors.push(DVec3::new(r, g, b).as_vec3().clamp(Vec3::ZERO, Vec3::ONE).map(linear_from_srgb));
     }
     Ok(())
 }
 
-/// At most eight finite numbers.
+/// At most eight numbers in single precision.
 fn numbers(context: &Context<'_>, line: usize, rest: &str) -> Result<Vec<f32>, Error> {
-    let parse = |word: &str| match word.parse::<f32>() {
-        Ok(value) if value.is_finite() => Ok(value),
+    Ok(doubles(context, line, rest)?.into_iter().map(|value| value as f32).collect())
+}
+
+/// At most eight numbers that are finite in single precision.
+fn doubles(context: &Context<'_>, line: usize, rest: &str) -> Result<Vec<f64>, Error> {
+    let parse = |word: &str| match word.parse::<f64>() {
+        Ok(value) if (value as f32).is_finite() => Ok(value),
         Ok(_) => Err(context.invalid(line, format_args!("{word} is not a finite 32-bit number; the file is damaged"))),
         Err(_) => Err(context.syntax(line, format_args!("{word:?} is no number"))),
     };

@@ -96,7 +96,7 @@ fn text(string: &str) -> Text {
 /// picture, after division by w.
 fn matrices(camera: &Camera, aspect: f64) -> (DMat4, DMat4) {
     // The camera's frame without its scale, as the renderer uses it.
-    let m = camera.world_from_camera.as_daffine3();
+    let m = camera.world_from_camera;
     let axis = |v: DVec3, fallback: DVec3| v.normalize_or(fallback);
     let world_from_frame = DMat4::from_cols(
         axis(m.matrix3.x_axis, DVec3::X).extend(0.0),

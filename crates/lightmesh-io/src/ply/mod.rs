@@ -18,7 +18,7 @@ mod tests;
 
 use std::path::Path;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use lightmesh::geometry::TriangleMesh;
 use lightmesh::{Instance, Material, SceneData};
 
@@ -44,13 +44,13 @@ pub(crate) fn read(
     let header = header::parse(file, bytes)?;
     let mut body = Body::new(file, bytes, &header);
     let mut warnings = Warnings::default();
-    let mut mesh = TriangleMesh::default();
+    let (mut mesh, mut origin) = (TriangleMesh::default(), DVec3::ZERO);
     let (mut has_vertices, mut has_faces) = (false, false);
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" if !has_vertices => {
                 has_vertices = true;
-                vertices::read(file, &mut body, element, &mut budget, &mut warnings, &mut mesh)?;
+                origin = vertices::read(file, &mut body, element, &mut budget, &mut warnings, &mut mesh)?;
             }
             "face" if !has_faces => {
                 has_faces = true;
@@ -80,6 +80,7 @@ pub(crate) fn read(
     // Place the mesh once, in white.
     Ok(Loaded {
         data: SceneData {
+            origin,
             meshes: vec![mesh],
             instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
             materials: vec![Material::lambert(Vec3::ONE)],

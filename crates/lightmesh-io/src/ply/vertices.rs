@@ -1,6 +1,6 @@
 //! The element `vertex`.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use lightmesh::geometry::TriangleMesh;
 
 use super::body::Body;
@@ -9,6 +9,7 @@ use crate::budget::Budget;
 use crate::error::{Error, one_line};
 use crate::srgb::linear_from_srgb;
 use crate::warnings::Warnings;
+use crate::world_origin::{WorldOrigin, relative};
 
 /// The attribute, and its component, that a scalar property of a vertex fills.
 #[derive(Clone, Copy, PartialEq)]
@@ -51,7 +52,7 @@ fn linear_color(value: f64, scalar: Scalar) -> f32 {
     linear_from_srgb((value / largest).clamp(0.0, 1.0) as f32)
 }
 
-/// Fills the mesh's vertex arrays.
+/// Fills the mesh's vertex arrays, and returns the origin to which its positions are relative.
 pub(super) fn read(
     file: &str,
     body: &mut Body<'_>,
@@ -59,7 +60,7 @@ pub(super) fn read(
     budget: &mut Budget,
     warnings: &mut Warnings,
     mesh: &mut TriangleMesh,
-) -> Result<(), Error> {
+) -> Result<DVec3, Error> {
     // Find out which attributes there are.
     let place = "element vertex";
     let target_of = |p: &Property| match p.kind {
@@ -82,17 +83,17 @@ pub(super) fn read(
         let what = format!("{} vertices, but at most {} can be read", element.count, u32::MAX);
         return Err(Error::Invalid { file: one_line(file), place: place.into(), what });
     }
-    let bytes = 12 + if normals { 12 } else { 0 } + if colors { 16 } else { 0 } + if uvs { 8 } else { 0 };
+    let bytes = 36 + if normals { 12 } else { 0 } + if colors { 16 } else { 0 } + if uvs { 8 } else { 0 };
     budget.take(file, place, element.count, bytes)?;
     let count = element.count as usize;
-    mesh.positions.reserve_exact(count);
+    let mut places: Vec<DVec3> = Vec::with_capacity(count);
     mesh.normals.reserve_exact(if normals { count } else { 0 });
     mesh.colors.reserve_exact(if colors { count } else { 0 });
     mesh.uvs[0].reserve_exact(if uvs { count } else { 0 });
 
     // Read each vertex: its properties by their targets, then what they mean.
     for index in 0..count {
-        let (mut position, mut normal, mut color, mut uv) = (Vec3::ZERO, Vec3::ZERO, Vec4::ONE, Vec2::ZERO);
+        let (mut place, mut normal, mut color, mut uv) = (DVec3::ZERO, Vec3::ZERO, Vec4::ONE, Vec2::ZERO);
         for (property, target) in element.properties.iter().zip(&targets) {
             let scalar = match property.kind {
                 Kind::Scalar(scalar) => scalar,
@@ -104,7 +105,7 @@ pub(super) fn read(
             };
             let value = body.number(scalar)?;
             match *target {
-                Some(Target::Position(i)) => position[i] = value as f32,
+                Some(Target::Position(i)) => place[i] = value,
                 Some(Target::Normal(i)) => normal[i] = value as f32,
                 Some(Target::Color(i)) => color[i] = linear_color(value, scalar),
                 Some(Target::Uv(i)) => uv[i] = value as f32,
@@ -112,11 +113,11 @@ pub(super) fn read(
             }
         }
         // Beyond f32 a position is infinite: the same answer as for NaN.
-        if !(position.is_finite() && uv.is_finite() && color.is_finite()) {
+        if !(place.as_vec3().is_finite() && uv.is_finite() && color.is_finite()) {
             let what = "a coordinate or colour is not a finite 32-bit number; the file is damaged".into();
             return Err(Error::Invalid { file: one_line(file), place: format!("vertex {index}"), what });
         }
-        mesh.positions.push(position);
+        places.push(place);
         if normals {
             let unit = normal.try_normalize();
             if unit.is_none() {
@@ -132,5 +133,11 @@ pub(super) fn read(
             mesh.uvs[0].push(Vec2::new(uv.x, 1.0 - uv.y));
         }
     }
-    Ok(())
+
+    // Move them next to the origin.
+    let mut origin = WorldOrigin::default();
+    origin.add(&places, 1.0);
+    let origin = origin.choose();
+    mesh.positions = places.iter().map(|&place| relative(place, origin)).collect();
+    Ok(origin)
 }

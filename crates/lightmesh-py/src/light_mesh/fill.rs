@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::PyLightMesh;
 use crate::error::Raise;
 use crate::listener::Listener;
-use crate::scene::LitScene;
+use crate::scene::{LitScene, relative};
 use crate::work::{self, AtInterrupt, Watch};
 use crate::{json, shared_mesh};
 
@@ -30,6 +30,11 @@ impl PyLightMesh {
     ) -> PyResult<String> {
         let LitScene { keywords, built } = self.own_scene(py)?;
         let (mesh, options) = (self.mesh.clone(), keywords.mesh_options());
+        let here = |place: Vec3| relative(built.scene.data(), place);
+        let target = match target {
+            Target::Around(points) => Target::Around(points.into_iter().map(here).collect()),
+            Target::Box(Aabb { min, max }) => Target::Box(Aabb { min: here(min), max: here(max) }),
+        };
         let work = move |watch: &Watch| {
             let mut mesh = mesh.lock()?;
             let filled = match &target {

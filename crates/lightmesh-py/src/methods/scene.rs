@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use glam::Vec3;
 use lightmesh::geometry::{Sphere, TriangleMesh};
 use lightmesh::{Camera, Instance, Light, SceneData};
 use pyo3::prelude::*;
@@ -111,7 +112,7 @@ impl PyScene {
             let material = material_index(data, material)?;
             data.meshes.push(TriangleMesh { material, ..mesh });
             let mesh = data.meshes.len() - 1;
-            data.instances.push(Instance { mesh, world_from_object });
+            data.instances.push(Instance { mesh, world_from_object: scene::placed(data, world_from_object) });
             Ok(mesh)
         })
     }
@@ -126,7 +127,7 @@ impl PyScene {
             if mesh >= meshes {
                 return Err(format!("mesh: there is no {mesh}; the scene has {meshes}"));
             }
-            data.instances.push(Instance { mesh, world_from_object });
+            data.instances.push(Instance { mesh, world_from_object: scene::placed(data, world_from_object) });
             Ok(())
         })
     }
@@ -140,7 +141,7 @@ impl PyScene {
         let center = arrays::vec3(center, "center")?;
         self.try_edit(py, |data| {
             let material = material_index(data, material)?;
-            data.spheres.push(Sphere { center, radius, material });
+            data.spheres.push(Sphere { center: scene::relative(data, center), radius, material });
             Ok(())
         })
     }
@@ -158,7 +159,10 @@ impl PyScene {
     ) -> PyResult<()> {
         let position = arrays::vec3(position, "position")?;
         let intensity_cd = arrays::color(intensity, "intensity")?;
-        self.edit(|data| data.lights.push(Light::Point { position, intensity_cd, range }));
+        self.edit(|data| {
+            let position = scene::relative(data, position);
+            data.lights.push(Light::Point { position, intensity_cd, range });
+        });
         Ok(())
     }
 
@@ -181,15 +185,12 @@ impl PyScene {
         outer_cone_angle: f32,
         range: Option<f32>,
     ) -> PyResult<()> {
-        let light = Light::Spot {
-            position: arrays::vec3(position, "position")?,
-            direction: arrays::direction(direction, "direction")?,
-            intensity_cd: arrays::color(intensity, "intensity")?,
-            range,
-            inner_cone_angle,
-            outer_cone_angle,
-        };
-        self.edit(|data| data.lights.push(light));
+        let position = arrays::vec3(position, "position")?;
+        let direction = arrays::direction(direction, "direction")?;
+        let intensity_cd = arrays::color(intensity, "intensity")?;
+        let light =
+            |position| Light::Spot { position, direction, intensity_cd, range, inner_cone_angle, outer_cone_angle };
+        self.edit(|data| data.lights.push(light(scene::relative(data, position))));
         Ok(())
     }
 
@@ -248,8 +249,10 @@ impl PyScene {
     /// The box around all surfaces: its least and its largest corner, metres.
     #[getter]
     fn bounds(&self, py: Python<'_>) -> PyResult<(Point, Point)> {
-        let bounds = self.built(py)?.scene.bounds();
-        Ok((bounds.min.into(), bounds.max.into()))
+        let built = self.built(py)?;
+        let (bounds, origin) = (built.scene.bounds(), built.scene.data().origin);
+        let world = |p: Vec3| (p.as_dvec3() + origin).as_vec3().into();
+        Ok((world(bounds.min), world(bounds.max)))
     }
 
     /// Warnings: what was left out, mended or cannot be shown as it was meant, one sentence each.

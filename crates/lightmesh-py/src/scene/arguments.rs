@@ -28,6 +28,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for MaterialArg<'py> {
     }
 }
 
+/// Returns a place in the file's coordinates relative to the scene's origin, which is zero unless a reader chose another.
+pub(crate) fn relative(data: &SceneData, place: Vec3) -> Vec3 {
+    (place.as_dvec3() - data.origin).as_vec3()
+}
+
+/// Returns a transform to the file's coordinates as one to those relative to the scene's origin.
+pub(crate) fn placed(data: &SceneData, mut transform: Affine3A) -> Affine3A {
+    transform.translation = relative(data, transform.translation.into()).into();
+    transform
+}
+
 /// Chooses the camera of a picture as the command line does.
 pub(crate) fn scene_camera(data: &SceneData, wanted: Option<&Bound<'_, PyAny>>) -> PyResult<Camera> {
     // A Camera is taken as it is; everything else is a name or an index.

@@ -11,7 +11,9 @@ use std::time::Duration;
 use lightmesh_io::Units;
 use pyo3::prelude::*;
 
-pub(crate) use self::arguments::{MaterialArg, environment, material_index, scene_camera, transform_or_identity};
+pub(crate) use self::arguments::{
+    MaterialArg, environment, material_index, placed, relative, scene_camera, transform_or_identity,
+};
 pub(crate) use self::load::{load, load_options};
 use self::state::Inner;
 pub(crate) use self::state::LitScene;

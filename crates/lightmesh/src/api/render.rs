@@ -89,7 +89,7 @@ fn render_waves(
 
 /// Makes the empty film of a picture.
 pub(crate) fn new_film(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Film {
-    let mut film = Film::new(camera, options);
+    let mut film = Film::new(scene, camera, options);
     if !scene.averages_textures() {
         film.drop_cones();
     }

@@ -50,7 +50,7 @@ impl ExactShader {
                 let term = vertex.n.dot(direction) * f;
                 if term > 0.0 {
                     self.light.push(light.intensity * term);
-                    self.rays.push(shadow_ray_to(&light, vertex.origin_towards(direction)));
+                    self.rays.push(shadow_ray_to(&light, vertex.light_origin(direction)));
                 }
                 continue;
             }
@@ -58,7 +58,7 @@ impl ExactShader {
             let term = vertex.n.dot(direction) * d.f[lane];
             if term > 0.0 {
                 self.light.push(intensity * term);
-                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction)));
+                self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction)));
             }
         }
 

@@ -128,8 +128,6 @@ pub(super) struct Shaded<'a> {
     /// The lights with their visibility estimate.
     pub lights: LightCutVisibility<'a>,
     pub seed: u32,
-    /// Where its rays start: [`ShadingPoint::origins`].
-    pub origins: [Vec3; 2],
 }
 
 impl Shaded<'_> {
@@ -142,7 +140,7 @@ impl Shaded<'_> {
     /// Returns where a ray towards `direction` starts.
     #[inline(always)]
     fn origin_towards(&self, direction: Vec3) -> Vec3 {
-        self.origins[usize::from(self.vertex.ng.dot(direction) < 0.0)]
+        self.vertex.light_origin(direction)
     }
 
     /// Returns the i-th random number, in [0, 1).

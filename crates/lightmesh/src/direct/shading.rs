@@ -172,7 +172,6 @@ impl ShadingBatch {
                 surface,
                 lights: reader.lights(),
                 seed: seed ^ seed_of_position(vertex.position),
-                origins: vertex.origins(),
             };
             direct[surface as usize] = match (reading, shading) {
                 (LightsReading::Known, Shading::PerLight { policy, seed }) => {

@@ -24,7 +24,7 @@ pub(crate) use passes::{SumOrder, WAVE, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::sampling::{film_samples, fold_seed, hash};
 use crate::scene::FilmRays;
-use crate::{Aovs, Camera, RenderOptions};
+use crate::{Aovs, Camera, PictureOptions, RenderOptions, Scene};
 
 /// Accumulates radiance with a box filter of one pixel.
 #[derive(Debug)]
@@ -65,10 +65,16 @@ pub(crate) struct Sample {
 
 impl Film {
     /// An empty film on which all samples of all pixels are one pass.
-    pub(crate) fn new(camera: &Camera, options: &RenderOptions) -> Self {
+    pub(crate) fn new(scene: &Scene, camera: &Camera, options: &RenderOptions) -> Self {
+        let PictureOptions { width, height, .. } = options.picture;
+        Self::of_rays(camera.film_in(scene.data().origin, &scene.bounds(), width, height), options)
+    }
+
+    /// [`Film::new`] with the camera's rays.
+    fn of_rays(rays: FilmRays, options: &RenderOptions) -> Self {
         let order = TileOrder { width: options.picture.width, height: options.picture.height };
         Self {
-            rays: camera.film(options.picture.width, options.picture.height),
+            rays,
             order,
             seed: options.seed,
             offsets: film_samples(options.picture.spp),
@@ -304,7 +310,7 @@ mod tests {
             o.picture.height = height;
             o.picture.spp = spp;
         });
-        Film::new(&Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0), &options)
+        Film::of_rays(Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0).film(width, height), &options)
     }
 
     /// Every sample of every pixel once, and a range that starts anywhere goes on as the whole one does.

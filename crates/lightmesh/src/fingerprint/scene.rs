@@ -15,8 +15,19 @@ use crate::{
 
 pub(super) fn fingerprint(scene: &Scene) -> Fingerprint {
     let mut digest = Digest::new("lightmesh scene");
-    let SceneData { meshes, instances, spheres, shapes, materials, textures, images, lights, environment, cameras: _ } =
-        scene.data();
+    let SceneData {
+        meshes,
+        instances,
+        spheres,
+        shapes,
+        materials,
+        textures,
+        images,
+        lights,
+        environment,
+        cameras: _,
+        origin: _,
+    } = scene.data();
     let d = &mut digest;
     add_all(d, meshes, add_mesh);
     add_all(d, instances, add_instance);

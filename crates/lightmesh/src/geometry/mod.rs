@@ -10,7 +10,7 @@ mod sphere;
 pub use aabb::Aabb;
 pub(crate) use cone::Cone;
 pub use mesh::TriangleMesh;
+pub(crate) use ray::self_distance;
 pub use ray::{Ray, offset_origin};
-pub(crate) use ray::{offset_origins, self_distance};
 pub use shape::Shape;
 pub use sphere::Sphere;

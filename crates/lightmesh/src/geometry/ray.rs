@@ -62,12 +62,6 @@ pub(crate) fn self_distance(coordinate: f32, size: f32) -> f32 {
 /// Returns where a ray along `direction` leaves a surface: the point, moved by `distance` (metres) to the side of the
 /// geometric `normal` (unit) on which the ray goes, so that it does not hit the surface itself.
 pub fn offset_origin(point: Vec3, normal: Vec3, distance: f32, direction: Vec3) -> Vec3 {
-    offset_origins(point, normal, distance)[usize::from(normal.dot(direction) < 0.0)]
-}
-
-/// [`offset_origin`] for directions on the side of `normal`, and for those on the other one.
-#[inline(always)]
-pub(crate) fn offset_origins(point: Vec3, normal: Vec3, distance: f32) -> [Vec3; 2] {
     let step = normal * distance;
-    [point + step, point - step]
+    if normal.dot(direction) < 0.0 { point - step } else { point + step }
 }

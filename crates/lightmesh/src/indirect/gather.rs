@@ -178,7 +178,7 @@ impl GatherRays {
                 let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
                 let direction = t * local.x + b * local.y + point.n * local.z;
-                self.batch.push(Ray::new(point.origin_towards(direction), direction));
+                self.batch.push(Ray::new(point.light_origin(direction), direction));
                 self.seeds.push(hash(seed ^ hash(i)));
             }
         }

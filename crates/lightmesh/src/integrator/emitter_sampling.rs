@@ -65,7 +65,7 @@ impl EmitterSampler {
         if cos.is_nan() || cos <= 0.0 || cos_light <= 0.0 {
             return Vec3::ZERO;
         }
-        let ray = Ray { t_max: SEGMENT_END, ..Ray::segment(point.origin_towards(direction), emitter.position) };
+        let ray = Ray { t_max: SEGMENT_END, ..Ray::segment(point.light_origin(direction), emitter.position) };
         let v = self.visibility(scene, ray);
         if v == Vec3::ZERO {
             return Vec3::ZERO;
@@ -83,7 +83,7 @@ impl EmitterSampler {
         if cos <= 0.0 || pdf <= 0.0 {
             return Vec3::ZERO;
         }
-        let v = self.visibility(scene, Ray::new(point.origin_towards(direction), direction));
+        let v = self.visibility(scene, Ray::new(point.light_origin(direction), direction));
         if v == Vec3::ZERO {
             return Vec3::ZERO;
         }
@@ -109,7 +109,7 @@ impl EmitterSampler {
                 continue;
             }
             let t_max = if matches!(light, Light::Directional { .. }) { f32::INFINITY } else { SEGMENT_END };
-            let ray = Ray { t_max, ..Ray::new(point.origin_towards(towards), towards) };
+            let ray = Ray { t_max, ..Ray::new(point.light_origin(towards), towards) };
             sum += illuminance * self.visibility(scene, ray) * cos;
         }
         sum

@@ -399,5 +399,5 @@ fn sample_bounce(point: &ShadingPoint, sampler: &mut Sampler) -> (Ray, f32) {
     let (t, b) = basis(point.n);
     let local = sample_cosine_hemisphere(sampler.next_pair());
     let direction = t * local.x + b * local.y + point.n * local.z;
-    (Ray::new(point.origin_towards(direction), direction), pdf_cosine_hemisphere(local.z))
+    (Ray::new(point.light_origin(direction), direction), pdf_cosine_hemisphere(local.z))
 }

@@ -11,6 +11,9 @@ use crate::world::Scene;
 /// How much worse than a triangle's a user-defined shape's arithmetic may be: 64 makes it 2⁻¹⁴ of its size. A judgement.
 const SHAPE_ERROR: f32 = 64.0;
 
+/// The cosine between shading and geometric normal above which a surface counts as flat.
+const FLAT: f32 = 1.0 - 1e-6;
+
 /// The geometry of a hit, in world space.
 pub(super) struct SurfaceInteraction<'a> {
     pub position: Vec3,
@@ -20,6 +23,8 @@ pub(super) struct SurfaceInteraction<'a> {
     pub n: Vec3,
     /// How far off the surface its rays start, metres.
     pub offset: f32,
+    /// From the point to the curved surface that smooth normals pretend, metres; zero where that is flat or hollow.
+    pub bulge: Vec3,
     /// Whether the ray met the front side.
     pub front: bool,
     /// Whether it is a sheet that stands for both faces of a thin pane ([`Scene::is_sheet`]).
@@ -94,6 +99,7 @@ fn smooth_interaction(
         ng: n,
         n,
         offset,
+        bulge: Vec3::ZERO,
         front,
         sheet: false,
         uvs: [uv; 2],
@@ -142,6 +148,11 @@ fn triangle_interaction<'a>(
             mesh.normals[corners[0]] * b[0] + mesh.normals[corners[1]] * b[1] + mesh.normals[corners[2]] * b[2];
         facing((frame.normal_from_object * object * frame.handedness).normalize_or(ng), -ray.direction)
     };
+    let bulge = if n.dot(ng) > FLAT {
+        Vec3::ZERO
+    } else {
+        bulge(position, p, corners.map(|i| facing(frame.normal_from_object * mesh.normals[i], ng)), b)
+    };
     let color = if mesh.colors.is_empty() {
         Vec4::ONE
     } else {
@@ -153,6 +164,7 @@ fn triangle_interaction<'a>(
         ng,
         n,
         offset,
+        bulge,
         front,
         sheet: scene.is_sheet(instance, triangle),
         uvs,
@@ -190,6 +202,17 @@ fn rounded_coordinate(scene: &Scene, instance: u32, corners: [usize; 3], positio
     let m = placed.world_from_object.matrix3.abs();
     let moved = m * glam::Vec3A::from(a.max(b).max(c)) + placed.world_from_object.translation.abs();
     moved.max_element() * frame.amplification
+}
+
+/// Returns how far a point of a triangle is from the curved surface that its corners' normals pretend: by the planes
+/// through the corners that are above it, weighted as the corners are (Hanika, "Hacking the Shadow Terminator", Ray
+/// Tracing Gems II, 2021, ch. 4, listing 4-1).
+fn bulge(point: Vec3, corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    let above = |i: usize| {
+        let n = normals[i].normalize_or_zero();
+        n * ((point - corners[i]).dot(n).min(0.0) * -weights[i])
+    };
+    above(0) + above(1) + above(2)
 }
 
 fn interpolate(values: &[Vec2], corners: [usize; 3], b: [f32; 3]) -> Vec2 {

@@ -50,6 +50,6 @@ impl Meter {
         let ray = Ray { t_max: 1.0, ..Ray::new(self.position + reach, -2.0 * reach) };
         let surface = scene.bvh().closest(&ray).map_or(0.0, |hit| evaluate(scene, &ray, &hit).offset);
         let offset = self_distance(coordinate, 0.0).max(2.0 * surface);
-        ShadingPoint { position: self.position, n, ng: n, offset, weight: Vec3::ONE, id: 0 }
+        ShadingPoint { position: self.position, n, ng: n, offset, bulge: Vec3::ZERO, weight: Vec3::ONE, id: 0 }
     }
 }

@@ -7,9 +7,12 @@ use super::hit_geometry::{SurfaceInteraction, intersect_geometry};
 use super::ray_footprint::footprints;
 use crate::AlphaMode;
 use crate::bvh::{Hit, Target};
-use crate::geometry::{Cone, Ray, offset_origin, offset_origins};
+use crate::geometry::{Cone, Ray, offset_origin};
 use crate::scene::{ColorEncoding, Material, TextureRef};
 use crate::world::Scene;
+
+/// The cosine to the triangle's normal above which light needs no help over its edge: that of Cycles' `Shading Offset`.
+const GRAZING: f32 = 0.1;
 
 /// A surface point to be lit: what direct and indirect lighting need to know of it.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +25,8 @@ pub(crate) struct ShadingPoint {
     pub ng: Vec3,
     /// How far off the surface its rays start, metres.
     pub offset: f32,
+    /// From the point to the curved surface that smooth normals pretend, metres.
+    pub bulge: Vec3,
     /// Radiance that reaches the start of the path, at the film or along a gather ray, per unit of irradiance here:
     /// throughput · albedo / π.
     pub weight: Vec3,
@@ -35,10 +40,18 @@ impl ShadingPoint {
         offset_origin(self.position, self.ng, self.offset, direction)
     }
 
-    /// Returns where rays to the side of `ng` start, and those to the other one.
+    /// Returns where a ray starts along which light arrives from a direction above the shading normal's horizon. Of a
+    /// curved surface made of flat triangles it may be below the triangle's: such a ray starts on the surface that the
+    /// normals pretend, on the viewer's side, and so meets whatever really is in its way. Grazing directions blend
+    /// between the two, as Cycles' do.
     #[inline(always)]
-    pub(crate) fn origins(&self) -> [Vec3; 2] {
-        offset_origins(self.position, self.ng, self.offset)
+    pub(crate) fn light_origin(&self, direction: Vec3) -> Vec3 {
+        if self.bulge == Vec3::ZERO {
+            return self.origin_towards(direction);
+        }
+        let cos = self.ng.dot(direction) / direction.length();
+        let share = (1.0 - cos * (1.0 / GRAZING)).clamp(0.0, 1.0);
+        self.position + self.ng * self.offset + self.bulge * share
     }
 }
 
@@ -49,6 +62,8 @@ pub(crate) struct ShadedHit {
     pub n: Vec3,
     pub ng: Vec3,
     pub offset: f32,
+    /// As of [`ShadingPoint`].
+    pub bulge: Vec3,
     /// The fraction of the ray that meets the surface; the rest goes on.
     pub opacity: f32,
     /// Radiance towards the viewer, cd/m²: emission, or the colour of an unlit surface.
@@ -73,6 +88,7 @@ impl ShadedHit {
             n: self.n,
             ng: self.ng,
             offset: self.offset,
+            bulge: self.bulge,
             weight: beta * self.diffuse * std::f32::consts::FRAC_1_PI,
             id,
         }
@@ -226,6 +242,7 @@ fn plain(interaction: &SurfaceInteraction<'_>, n: Vec3, opacity: f32) -> ShadedH
         n,
         ng: interaction.ng,
         offset: interaction.offset,
+        bulge: interaction.bulge,
         opacity,
         emission: Vec3::ZERO,
         illuminating: Vec3::ZERO,

@@ -120,7 +120,7 @@ mod tests {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(8.0) };
         let lattice = Lattice::new("spacing", &bounds, 1.0, 1).expect("small");
         let position = lattice.point(glam::IVec3::splat(3)) + Vec3::new(0.3, 0.4, 0.2);
-        let vertex = ShadingPoint { position, n: ng, ng, offset: 1e-4, weight: Vec3::ONE, id: 0 };
+        let vertex = ShadingPoint { position, n: ng, ng, offset: 1e-4, bulge: Vec3::ZERO, weight: Vec3::ONE, id: 0 };
         let stencil = stencil(&lattice, &vertex, OFFSET);
         (vertex, stencil)
     }

@@ -1,7 +1,8 @@
 //! Cameras.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 
+use super::far_view::FarView;
 use crate::geometry::{Aabb, Cone, Ray};
 
 /// How a camera maps directions to the film.
@@ -30,8 +31,9 @@ pub enum Projection {
 pub struct Camera {
     /// Name in the file; may be empty.
     pub name: String,
-    /// World space from camera space; scale is ignored.
-    pub world_from_camera: Affine3A,
+    /// The file's coordinates ([`SceneData::origin`](crate::SceneData::origin)) from camera space; scale is ignored. In
+    /// double precision, for what is far away.
+    pub world_from_camera: DAffine3,
     /// Lens.
     pub projection: Projection,
 }
@@ -43,10 +45,10 @@ impl Camera {
         // Straight down, the top of the picture is −Z; straight up, +Z.
         let up = if back.y.abs() > 0.999 { -Vec3::Z * back.y.signum() } else { Vec3::Y };
         let right = up.cross(back).normalize();
-        let matrix = glam::Mat3A::from_cols(right.into(), back.cross(right).into(), back.into());
+        let matrix = DMat3::from_cols(right.as_dvec3(), back.cross(right).as_dvec3(), back.as_dvec3());
         Self {
             name: String::new(),
-            world_from_camera: Affine3A { matrix3: matrix, translation: eye.into() },
+            world_from_camera: DAffine3 { matrix3: matrix, translation: eye.as_dvec3() },
             projection: Projection::Perspective { yfov, aspect: None },
         }
     }
@@ -72,9 +74,9 @@ impl Camera {
     /// vertical field of view whatever the picture's aspect, as glTF's viewers do; an orthographic one keeps `ymag`.
     pub fn film(&self, width: u32, height: u32) -> FilmRays {
         let m = &self.world_from_camera.matrix3;
-        let (right, up) = (Vec3::from(m.x_axis).normalize_or(Vec3::X), Vec3::from(m.y_axis).normalize_or(Vec3::Y));
-        let forward = -Vec3::from(m.z_axis).normalize_or(Vec3::Z);
-        let eye = Vec3::from(self.world_from_camera.translation);
+        let (right, up) = (m.x_axis.as_vec3().normalize_or(Vec3::X), m.y_axis.as_vec3().normalize_or(Vec3::Y));
+        let forward = -m.z_axis.as_vec3().normalize_or(Vec3::Z);
+        let eye = self.world_from_camera.translation.as_vec3();
         let half_height = match self.projection {
             Projection::Perspective { yfov, .. } => libm::tanf(0.5 * yfov),
             Projection::Orthographic { ymag, .. } => ymag,
@@ -89,7 +91,18 @@ impl Camera {
             center_x: 0.5 * width as f32,
             center_y: 0.5 * height as f32,
             parallel: matches!(self.projection, Projection::Orthographic { .. }),
+            far: None,
         }
+    }
+
+    /// Returns [`Camera::film`] in a scene's coordinates: its origin and the box around its surfaces. Rays of a camera
+    /// far outside the box start next to it.
+    pub(crate) fn film_in(&self, origin: DVec3, bounds: &Aabb, width: u32, height: u32) -> FilmRays {
+        let mut placed = self.clone();
+        placed.world_from_camera.translation -= origin;
+        let mut film = placed.film(width, height);
+        film.far = FarView::new(&placed.world_from_camera, film.pixel.into(), film.parallel, bounds);
+        film
     }
 }
 
@@ -105,11 +118,16 @@ pub struct FilmRays {
     center_x: f32,
     center_y: f32,
     parallel: bool,
+    /// Where the camera is so far from the scene that single precision does not do.
+    far: Option<FarView>,
 }
 
 impl FilmRays {
     /// The ray through film position (x, y) in pixels, (0, 0) the upper left corner of the picture; unit direction.
     pub fn ray(&self, x: f32, y: f32) -> Ray {
+        if let Some(far) = &self.far {
+            return far.ray(x - self.center_x, y - self.center_y);
+        }
         let offset = self.dx * (x - self.center_x) + self.dy * (y - self.center_y);
         if self.parallel {
             Ray::new(self.eye + offset, self.forward)
@@ -118,7 +136,7 @@ impl FilmRays {
         }
     }
 
-    /// The camera's position, metres; rays of a perspective camera start there.
+    /// The camera's position, metres; rays of a perspective camera start there, or before the scene's box.
     pub(crate) fn eye(&self) -> Vec3 {
         self.eye
     }
@@ -136,16 +154,24 @@ impl FilmRays {
         let spread = width * pixel * cos * cos.sqrt();
         // The derivative of the unit direction.
         let offset = (offset - ray.direction * offset.dot(ray.direction)) * cos;
-        Cone { width: 0.0, spread, offset: offset / spread }
+        let travelled = self.far.as_ref().map_or(0.0, |far| far.distance(ray.origin));
+        Cone { width: spread * travelled, spread, offset: offset / spread }
     }
 
     /// Returns the distance of `p` along the camera's axis, metres.
     pub(crate) fn depth(&self, p: Vec3) -> f32 {
+        if let Some(far) = &self.far {
+            return far.depth(p);
+        }
         (p - self.eye).dot(self.forward)
     }
 
     /// Returns the film position of a point whose depth is above 0, and the size in pixels of a metre there.
     pub(crate) fn project(&self, p: Vec3) -> (Vec2, f32) {
+        if let Some(far) = &self.far {
+            let (offset, pixels_per_metre) = far.project(p);
+            return (offset + Vec2::new(self.center_x, self.center_y), pixels_per_metre);
+        }
         let offset = p - self.eye;
         let scale = if self.parallel { 1.0 } else { 1.0 / self.depth(p) };
         let along = |axis: Vec3| offset.dot(axis) / axis.length_squared() * scale;
@@ -230,8 +256,54 @@ mod tests {
                 [bounds.min.y, bounds.max.y][i >> 1 & 1],
                 [bounds.min.z, bounds.max.z][i >> 2],
             );
-            let c = camera_from_world.transform_point3(p);
-            assert!(c.z < 0.0 && (c.y / c.z).abs() < libm::tanf(0.4));
+            let c = camera_from_world.transform_point3(p.as_dvec3());
+            assert!(c.z < 0.0 && (c.y / c.z).abs() < libm::tan(0.4));
         }
+    }
+
+    /// From 700 km, with an angle of a metre there, every pixel's ray passes within a hundredth of a millimetre of
+    /// where the one from 700 m does, and starts next to the box; cones are as wide there.
+    #[test]
+    fn a_far_camera_sees_what_a_near_one_does() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
+        let target = DVec3::new(0.1, 0.2, -0.1);
+        let camera = |distance: f64| {
+            // A direction whose multiples are no floats.
+            let back = DVec3::new(0.3, 0.5, 0.7).normalize();
+            let right = DVec3::Y.cross(back).normalize();
+            let matrix3 = DMat3::from_cols(right, back.cross(right), back);
+            Camera {
+                name: String::new(),
+                world_from_camera: DAffine3 { matrix3, translation: target + back * distance },
+                projection: Projection::Perspective { yfov: (1.0 / distance) as f32, aspect: None },
+            }
+        };
+        let (near, far) = (camera(7e2), camera(7e5));
+        let film = |camera: &Camera| camera.film_in(DVec3::ZERO, &bounds, 100, 100);
+        let (near, far) = (film(&near), film(&far));
+        for (x, y) in [(50.0, 50.0), (20.0, 70.0), (90.0, 10.0)] {
+            let (a, b) = (near.ray(x, y), far.ray(x, y));
+            assert!(b.origin.length() < 4.0, "{}", b.origin);
+            // Where both are nearest to the target.
+            let at = |ray: &Ray| {
+                let to = target - ray.origin.as_dvec3();
+                let d = ray.direction.as_dvec3().normalize();
+                ray.origin.as_dvec3() + d * to.dot(d)
+            };
+            // Lines of sight from 700 m and 700 km differ by half a thousandth of the distance from the axis.
+            assert!((at(&a) - at(&b)).length() < 1e-3, "{} {}", at(&a), at(&b));
+            let (position, pixels_per_metre) = far.project(b.origin);
+            assert!((position - Vec2::new(x, y)).length() < 1e-3 && (pixels_per_metre - 100.0).abs() < 0.1);
+            assert!((far.cone(&b, 1.0, Vec2::ZERO).width - 0.01).abs() < 1e-5);
+        }
+    }
+
+    /// A camera outside but not far keeps its rays, bit for bit.
+    #[test]
+    fn ordinary_cameras_keep_their_rays() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) };
+        let camera = Camera::framing(&bounds);
+        let (film, plain) = (camera.film_in(DVec3::ZERO, &bounds, 30, 20), camera.film(30, 20));
+        assert_eq!(film.ray(3.5, 7.5), plain.ray(3.5, 7.5));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, DVec3};
 
 use super::camera::Camera;
 use super::environment::Environment;
@@ -36,6 +36,11 @@ pub struct ShapeEntry {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SceneData {
+    /// Where the origin of world space is in the coordinates of the file, metres; zero unless a reader chose another.
+    /// Everything here is relative to it but [`SceneData::cameras`], which keep the file's coordinates: what is far from
+    /// the file's origin, as in a survey, keeps the digits of 32-bit floats for itself.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub origin: DVec3,
     /// Triangle meshes in object space.
     pub meshes: Vec<TriangleMesh>,
     /// Meshes placed in the world. A mesh with many instances is stored once.
@@ -55,11 +60,18 @@ pub struct SceneData {
     pub lights: Vec<Light>,
     /// The light of rays that leave the scene; `None`: black.
     pub environment: Option<Environment>,
-    /// Cameras of the file.
+    /// Cameras of the file, in its own coordinates.
     pub cameras: Vec<Camera>,
 }
 
 impl SceneData {
+    /// Returns [`Camera::framing`] of all surfaces, in the file's coordinates.
+    pub fn framing_camera(&self) -> Camera {
+        let mut camera = Camera::framing(&self.bounds());
+        camera.world_from_camera.translation += self.origin;
+        camera
+    }
+
     /// Returns a box around all surfaces, metres. The data may be unchecked: indices out of range are left out. The box
     /// of a rotated instance may be larger than needed, as the box of the mesh is transformed.
     pub fn bounds(&self) -> Aabb {

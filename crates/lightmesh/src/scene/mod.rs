@@ -4,6 +4,7 @@ mod camera;
 mod data;
 mod emitter_options;
 mod environment;
+mod far_view;
 mod footprint;
 pub(crate) mod light;
 mod material;

@@ -23,9 +23,9 @@ pub(crate) struct Node {
     pub(crate) mesh: Option<usize>,
     pub(crate) camera: Option<usize>,
     pub(crate) skin: Option<usize>,
-    pub(crate) matrix: Option<Box<[f32; 16]>>,
-    pub(crate) translation: Option<[f32; 3]>,
-    pub(crate) rotation: Option<[f32; 4]>,
+    pub(crate) matrix: Option<Box<[f64; 16]>>,
+    pub(crate) translation: Option<Box<[f64; 3]>>,
+    pub(crate) rotation: Option<Box<[f64; 4]>>,
     pub(crate) scale: Option<[f32; 3]>,
     #[serde(default)]
     pub(crate) extensions: NodeExtensions,
