@@ -318,7 +318,7 @@ fn normal_maps_lean_the_way_they_are_painted() {
 }
 
 /// What a mirror shows takes its light from the mesh like what is seen directly: no shadow ray but those of mesh
-/// points.
+/// points, and two to the lamp's image in the mirror.
 #[test]
 fn mirrored_hits_read_the_mesh() {
     let mut data = floor(Vec3::splat(0.8));
@@ -334,5 +334,24 @@ fn mirrored_hits_read_the_mesh() {
     assert!(d.relrmse < 1e-4 && truth.image.pixels[40 * 64 + 32].x > 0.1, "{d:?}");
     let stats = mesh.stats;
     assert!(stats.rays.secondary > 64 * 48 / 2 && stats.exact_fallbacks == 0, "{stats:?}");
-    assert_eq!(stats.rays.shadow, stats.direct.points_used - stats.direct.points_invalid);
+    assert_eq!(stats.fill_shadow_rays, stats.direct.points_used - stats.direct.points_invalid);
+    assert!(stats.rays.shadow - stats.fill_shadow_rays <= 2 * 64 * 48, "{stats:?}");
+}
+
+/// A lamp 1 m above a floor and 1 m below a mirror that faces down: I (1 / 1² + 1 / 3²) a/π, by every method.
+#[test]
+fn a_lamp_shines_by_way_of_a_mirror() {
+    let mut data = floor(Vec3::splat(0.5));
+    data.lights.push(point_light(Vec3::Y, Vec3::splat(30.0)));
+    data.materials.push(Material { metallic: 1.0, roughness: 0.0, base_color: Vec3::ONE, ..Material::default() });
+    let c = |x: f32, z: f32| Vec3::new(x, 2.0, z);
+    place(&mut data, quad([c(-2.0, -2.0), c(2.0, -2.0), c(2.0, 2.0), c(-2.0, 2.0)], 1));
+    let scene = Scene::new(data).expect("scene");
+    let camera = Camera::look_at(Vec3::new(0.0, 1.2, 3.0), Vec3::ZERO, 0.3);
+    let expected = 0.5 / PI * 30.0 * (1.0 + 1.0 / 9.0);
+    for method in [Method::Standard, Method::MESH, Method::Hybrid, Method::UNBIASED, Method::Path] {
+        let image = shoot(&scene, &camera, &options(method)).image;
+        let middle = image.pixels[24 * 64 + 32].x;
+        assert!((middle / expected - 1.0).abs() < 0.02, "{method:?}: {middle} {expected}");
+    }
 }

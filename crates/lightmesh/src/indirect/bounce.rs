@@ -267,7 +267,7 @@ impl IndirectField {
         pending: &mut PendingLight,
     ) -> Result<u64, Error> {
         // Direct light that is reflected once needs no points, only emission that gather rays find does.
-        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.has_unsampled_emitters()) {
+        if !self.reflects_light() || (self.bounce_values.len() == 2 && !scene.rays_find_emission()) {
             pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
@@ -324,7 +324,7 @@ impl IndirectField {
         if k == 0 {
             return pending.emission.clone();
         }
-        if k == 1 && !scene.has_unsampled_emitters() {
+        if k == 1 && !scene.rays_find_emission() {
             return pending.first.clone();
         }
         let (faces, below) = (self.faces.count(), &self.bounce_values[k - 1]);

@@ -134,6 +134,7 @@ impl BrightSpot {
     }
 
     /// The density of [`Self::sample`] per steradian.
+    #[inline]
     pub(super) fn pdf(&self, x: Vec3, direction: Vec3) -> f32 {
         match self.shape {
             SpotShape::Plane { lamp, foot, n, cone } => {

@@ -97,7 +97,7 @@ impl IndirectField {
         paths: GatherPaths,
     ) -> Result<Vec<PathSum>, Error> {
         let mut all: Vec<PathSum> = Vec::with_capacity(points.len());
-        if points.is_empty() || (paths.bounces == 0 && !direct.scene.has_unsampled_emitters()) {
+        if points.is_empty() || (paths.bounces == 0 && !direct.scene.rays_find_emission()) {
             all.resize(points.len(), PathSum::default());
             return Ok(all);
         }

@@ -14,14 +14,15 @@ use super::gather::GatherRays;
 use crate::sampling::{hash, unit_f32};
 use crate::{RenderOptions, Scene};
 
-/// Spots that get rays of a point, at most: the most important ones.
-const MOST_SPOTS: usize = 12;
+/// Spots that get rays of a point, at most: the most important ones. To weigh 256 rays with twelve took a third of the
+/// fill's time.
+const MOST_SPOTS: usize = 5;
 
 /// A spot as large as so many of the cells that even rays stand for needs no others.
 const LARGE: f32 = 2.0;
 
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
-const LEAST_NOISE: f32 = 0.02;
+const LEAST_NOISE: f32 = 0.025;
 
 /// Rays to a spot that gives all light, and to one spot.
 const RAYS: f32 = 64.0;
@@ -57,6 +58,7 @@ struct Mixture<'a> {
 }
 
 impl Mixture<'_> {
+    #[inline]
     fn density(&self, direction: Vec3) -> f32 {
         self.even + self.guides.iter().map(|g| g.rays * g.spot.pdf(self.x, direction)).sum::<f32>()
     }

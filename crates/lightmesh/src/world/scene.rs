@@ -227,13 +227,15 @@ impl Scene {
         self.emitters.random_point(&self.data, lights, lane, seed)
     }
 
-    /// Whether rays find emission that light samples do not stand for: that of weak emitters and of user-defined
+    /// Whether gather rays find emission that light samples do not stand for: that of weak emitters and of user-defined
     /// shapes, and all that is seen in mirrors.
-    pub(crate) fn has_unsampled_emitters(&self) -> bool {
+    pub(crate) fn rays_find_emission(&self) -> bool {
         let is_mirror = |m: &Material| m.metallic >= 0.5 && !m.is_lambert() && !m.unlit;
-        if self.has_visible_emitters() && self.data.materials.iter().any(is_mirror) {
-            return true;
-        }
+        self.has_unsampled_emitters() || (self.has_visible_emitters() && self.data.materials.iter().any(is_mirror))
+    }
+
+    /// Whether there are emitters that are not sampled: weak ones, and user-defined shapes.
+    pub(crate) fn has_unsampled_emitters(&self) -> bool {
         let emits = |m: usize| self.data.materials[m].emission != Vec3::ZERO && !self.data.materials[m].unlit;
         self.emitters.area.has_weak() || self.data.shapes.iter().any(|entry| emits(entry.material))
     }
