@@ -45,7 +45,7 @@ impl ExactShader {
                 continue;
             }
             if lights.stratum(lane) != Stratum::Point {
-                let Some(light) = scene.random_light(lights, lane, seed) else { continue };
+                let Some(light) = scene.random_light(lights, lane, vertex.position, seed) else { continue };
                 let (direction, f) = light.arriving(falloff, vertex.position);
                 let term = vertex.n.dot(direction) * f;
                 if term > 0.0 {

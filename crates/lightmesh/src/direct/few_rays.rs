@@ -63,12 +63,12 @@ impl FewRaysShader {
         let mut ray_to = |i: usize, scale: f32| {
             let lane = self.lanes[i] as usize;
             if lights.stratum(lane) == Stratum::Point {
-                self.rays.push(cut.shadow_ray(lane, vertex.origin_towards(direction(lane))));
+                self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction(lane))));
                 self.weights.push(self.terms[i] * scale);
-            } else if let Some(light) = scene.random_light(lights, lane, seed_of_places) {
+            } else if let Some(light) = scene.random_light(lights, lane, vertex.position, seed_of_places) {
                 // A random point of the part of the emitter that the lane stands for.
                 let (towards, f) = light.arriving(falloff, vertex.position);
-                self.rays.push(shadow_ray_to(&light, vertex.origin_towards(towards)));
+                self.rays.push(shadow_ray_to(&light, vertex.light_origin(towards)));
                 self.weights.push(light.intensity * (vertex.n.dot(towards) * f).max(0.0) * scale);
             }
         };

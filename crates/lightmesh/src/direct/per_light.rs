@@ -291,7 +291,8 @@ impl PerLightShader {
                     (ClusterSampling::Some { .. }, _) => (0, 1.0),
                 };
                 for k in 0..count as u32 {
-                    let light = shaded.scene.random_light(samples, lane, shaded.seed ^ hash(first ^ k));
+                    let light =
+                        shaded.scene.random_light(samples, lane, shaded.vertex.position, shaded.seed ^ hash(first ^ k));
                     self.queue_light(shaded, light, scale / count, 0.0);
                 }
                 return weight * expected;
@@ -310,7 +311,7 @@ impl PerLightShader {
         let samples = shaded.scene.lights();
         let light = match samples.stratum(lane) {
             Stratum::Point => samples.sample(lane),
-            _ => shaded.scene.random_light(samples, lane, shaded.seed),
+            _ => shaded.scene.random_light(samples, lane, shaded.vertex.position, shaded.seed),
         };
         if p > 0.0 {
             self.queue_light(shaded, light, scale / p, expected);

@@ -103,7 +103,7 @@ impl<'a> SkyViews<'a> {
             let seed = hash(!seed_of_position(place));
             for &lane in &self.lanes {
                 for k in 0..RAYS {
-                    let light = self.scene.random_light(self.scene.lights(), lane as usize, hash(seed ^ k));
+                    let light = self.scene.random_light(self.scene.lights(), lane as usize, place, hash(seed ^ k));
                     self.rays.extend(light.map(|light| shadow_ray_to(&light, place)));
                 }
             }

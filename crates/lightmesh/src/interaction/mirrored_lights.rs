@@ -93,7 +93,7 @@ impl MirroredShader {
     /// Follows a ray to the mirror, and from there to the lamp.
     fn arriving(&mut self, scene: &Scene, point: &ShadingPoint, candidate: &Candidate) -> Vec3 {
         let Candidate { light, mirror, towards, irradiance } = candidate;
-        let ray = Ray::new(point.origin_towards(*towards), *towards);
+        let ray = Ray::new(point.light_origin(*towards), *towards);
         self.rays += 1;
         let Some(hit) = scene.bvh().closest(&ray) else { return Vec3::ZERO };
         let surface = evaluate(scene, &ray, &hit);

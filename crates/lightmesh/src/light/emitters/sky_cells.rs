@@ -14,6 +14,9 @@ const LONGEST: f32 = 0.15;
 /// A cell is not divided below this, radian.
 const SHORTEST: f32 = 0.004;
 
+/// Rows of the sums, at least.
+const LEAST_ROWS: usize = 256;
+
 /// The sky of a map, or an even one, in cells.
 #[derive(Debug)]
 pub(super) struct SkyCells {
@@ -133,14 +136,17 @@ struct Sums {
 
 impl Sums {
     fn new(radiances: &[Vec3], width: usize) -> Self {
-        let height = radiances.len() / width;
+        // Rows are divided: in them light is spread evenly, which it is not over a high one.
+        let rows = radiances.len() / width;
+        let parts = LEAST_ROWS.div_ceil(rows);
+        let height = rows * parts;
         let mut sums = vec![DVec3::ZERO; (width + 1) * (height + 1)];
         for y in 0..height {
             let edge = |y: usize| f64::from(libm::cosf(PI * y as f32 / height as f32));
             let solid_angle = f64::from(TAU) / width as f64 * (edge(y) - edge(y + 1));
             let mut row = DVec3::ZERO;
             for x in 0..width {
-                row += radiances[y * width + x].as_dvec3() * solid_angle;
+                row += radiances[y / parts * width + x].as_dvec3() * solid_angle;
                 sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + row;
             }
         }

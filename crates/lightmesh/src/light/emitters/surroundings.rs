@@ -39,11 +39,14 @@ const USUAL: f32 = 0.5;
 
 /// A light gets fewer samples where the square root of its area over the usual distance is below the first, and more
 /// where that over the near distance is above the second. A panel of 1 m² in a room has about 0.5.
-const SMALL: f32 = 0.25;
+const SMALL: f32 = 0.5;
 const CLOSE: f32 = 2.0;
 
 /// Limits of how many times the usual number a light gets.
-const FACTOR: [f32; 2] = [0.25, 32.0];
+const FACTOR: [f32; 2] = [0.125, 32.0];
+
+/// A light of so small an area, against the square of the usual distance, casts shadows as a point does.
+const POINT: f32 = 0.04;
 
 /// What rays from a light found.
 #[derive(Clone, Copy, Debug)]
@@ -157,6 +160,11 @@ impl Around<'_> {
 }
 
 impl Surroundings {
+    /// Whether a light of this area is so small that a point may stand for it in the mesh.
+    pub(super) fn is_small(&self, area: f32) -> bool {
+        area < POINT * self.usual * self.usual
+    }
+
     /// Returns how many samples a light of an area needs, if `usual` is the number for a usual one.
     pub(super) fn samples(&self, area: f32, usual: u32) -> u32 {
         let close = area.sqrt() / self.near / CLOSE;
