@@ -39,6 +39,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
             "error",
             "budget",
             "warnings",
+            "world_origin",
             "beside",
             "srgb",
             "polygon",
