@@ -19,10 +19,14 @@ use crate::{RenderOptions, Scene};
 const MOST_SPOTS: usize = 5;
 
 /// A spot as large as so many of the cells that even rays stand for needs no others.
-const LARGE: f32 = 2.0;
+const LARGE: f32 = 1.0;
 
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
-const LEAST_NOISE: f32 = 0.025;
+const LEAST_NOISE: f32 = 0.05;
+
+/// A ray that brings more than so many times the mean counts as so many in the first, low guess of all light: it may
+/// have met a spot by chance.
+const MOST_TIMES_MEAN: f32 = 8.0;
 
 /// Rays to a spot that gives all light, and to one spot.
 const RAYS: f32 = 64.0;
@@ -77,12 +81,18 @@ impl GuidedRays {
         let count = even.lobes.len() as f32;
         let density = count / (4.0 * PI);
 
+        // Guess all light from below, so that spots that cannot matter take no time.
+        let least_light = low_guess(even) / density;
+
         // List the spots that are small, the most noisy ones first.
         let mut guides: Vec<Guide> = spots
             .iter()
             .filter_map(|&spot| {
                 let view = spot.seen_from(x).filter(|view| view.solid_angle * density < LARGE)?;
                 let even_noise = 1.0 / (view.solid_angle * density).max(1e-6).sqrt();
+                if view.irradiance * even_noise <= LEAST_NOISE * least_light {
+                    return None;
+                }
                 Some(Guide { spot, irradiance: view.irradiance, even_noise, rays: TENTATIVE })
             })
             .collect();
@@ -135,4 +145,17 @@ impl GuidedRays {
     pub(super) fn weight(&self, id: u32) -> f32 {
         self.weights.get(id as usize).copied().unwrap_or(1.0)
     }
+}
+
+/// Sums what even rays bring, in the largest channel, but for what few of them bring alone.
+fn low_guess(even: &GatherRays) -> f32 {
+    let mut found = vec![0.0; even.lobes.len()];
+    for &(ray, radiance) in &even.emitted {
+        found[ray as usize] += radiance.max_element();
+    }
+    for (hit, &irradiance) in even.hits.vertices.iter().zip(&even.hits.direct) {
+        found[hit.id as usize] += (hit.weight * irradiance).max_element();
+    }
+    let most = MOST_TIMES_MEAN * found.iter().sum::<f32>() / found.len().max(1) as f32;
+    found.iter().map(|light| light.min(most)).sum()
 }
