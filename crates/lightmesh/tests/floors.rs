@@ -74,6 +74,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
             "environment",
             "settings",
             "stats",
+            "error_report",
             "progress",
             "outputs",
             "preview",

@@ -69,7 +69,10 @@ impl FewRaysShader {
                 // A random point of the part of the emitter that the lane stands for.
                 let (towards, f) = light.arriving(falloff, vertex.position);
                 self.rays.push(shadow_ray_to(&light, vertex.light_origin(towards)));
-                self.weights.push(light.intensity * (vertex.n.dot(towards) * f).max(0.0) * scale);
+                self.weights.push(match lights.stratum(lane) {
+                    Stratum::Bulb(_) => self.terms[i] * scale,
+                    _ => light.intensity * (vertex.n.dot(towards) * f).max(0.0) * scale,
+                });
             }
         };
         if self.terms.len() <= most as usize {

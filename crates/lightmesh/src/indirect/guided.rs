@@ -19,10 +19,10 @@ use crate::{RenderOptions, Scene};
 const MOST_SPOTS: usize = 5;
 
 /// A spot as large as so many of the cells that even rays stand for needs no others.
-const LARGE: f32 = 1.0;
+const LARGE: f32 = 0.7;
 
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
-const LEAST_NOISE: f32 = 0.05;
+const LEAST_NOISE: f32 = 0.1;
 
 /// A ray that brings more than so many times the mean counts as so many in the first, low guess of all light: it may
 /// have met a spot by chance.

@@ -236,23 +236,28 @@ impl AreaLights {
         self.sample_places(data, self.lights[light].pieces.clone(), u)
     }
 
-    /// Returns a random point of a whole small lamp as a light, chosen among a few by what they give at a position without
-    /// shadow, by numbers in [0, 1) (Talbot, Cline and Egbert, "Importance Resampling for Global Illumination", EGSR 2005):
-    /// most of its other points face away.
+    /// Returns a random point of a whole small lamp as a light that gives a position as much as the lamp's `middle` does,
+    /// by numbers in [0, 1): what is left to chance is which part of it is hidden. The point is chosen among a few by what
+    /// they give there without shadow (Talbot, Cline and Egbert, "Importance Resampling for Global Illumination", EGSR
+    /// 2005), as most points face away; their mean would have their noise, 28% of eight of them on a ball.
     pub(crate) fn sample_bulb(
         &self,
         data: &SceneData,
         stratum: u32,
+        middle: SampledLight,
         at: Vec3,
         u: impl Fn(u32) -> f32,
     ) -> Option<SampledLight> {
         const CHOICES: u32 = 8;
+        let given = |light: &SampledLight| {
+            let (d, f) = light.arriving(Falloff::InverseSquare, at);
+            luminance(light.intensity) * f.max(0.0) * d.length()
+        };
         let (mut chosen, mut sum) = (None, 0.0);
         for k in 0..CHOICES {
             let place = Vec2::new((k as f32 + u(2 * k + 1)) / CHOICES as f32, u(2 * k + 2));
             let Some(light) = self.sample_stratum(data, stratum, place) else { continue };
-            let (d, f) = light.arriving(Falloff::InverseSquare, at);
-            let weight = luminance(light.intensity) * f.max(0.0) * d.length();
+            let weight = given(&light);
             sum += weight;
             // Keep it with the probability of its weight: a reservoir of one.
             if weight > 0.0 && u(100 + k) * sum < weight {
@@ -260,7 +265,7 @@ impl AreaLights {
             }
         }
         let (light, weight) = chosen?;
-        Some(SampledLight { intensity: light.intensity * (sum / (weight * CHOICES as f32)), ..light })
+        Some(SampledLight { intensity: light.intensity * (given(&middle) / weight), ..light })
     }
 
     /// Returns a random point of a stratum as a light, by u in [0, 1)²: its light at any place has the stratum's light

@@ -31,7 +31,7 @@ const SHADOWS: usize = 6;
 
 /// Part of the rays that end where it is as dark as around the light, or darker: what is close to a lamp is as bright as
 /// the lamp.
-const DARK: f32 = 0.1;
+const DARK: f32 = 0.33;
 
 /// Parts of the rays that end nearer than what counts as near, and as usual.
 const NEAR: f32 = 0.15;
