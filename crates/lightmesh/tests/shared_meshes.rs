@@ -17,13 +17,13 @@ fn requested_points_are_those_that_a_picture_reads() {
             let options = options(method).with(|o| {
                 o.picture.width = 200;
                 o.picture.height = 150;
-                o.picture.spp = if std::env::var_os("ONE").is_some() { 1 } else { 3 };
+                o.picture.spp = 3;
                 o.mesh.refine = refine;
                 o.mesh.interpolation = interpolation;
             });
             let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
             let prepared = distributed::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
-            for _ in 0..mesh.level_count() + std::env::var("MORE").map_or(0, |x| x.parse::<u32>().unwrap()) {
+            for _ in 0..mesh.level_count() {
                 let mut wanted = PointRequests::default();
                 for i in 0..distributed::wave_count(&options).expect("count") {
                     let request = WaveRequest { prepared: &prepared, samples: PictureSamples::All, waves: i..i + 1 };

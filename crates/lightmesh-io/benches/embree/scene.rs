@@ -46,7 +46,7 @@ impl BenchScene {
         let scale = 2.0 * (0.5 * yfov).tan() / height as f32;
         let px = (x as f32 + 0.5 - 0.5 * width as f32) * scale;
         let py = (0.5 * height as f32 - y as f32 - 0.5) * scale;
-        let place = &self.camera.world_from_camera;
+        let place = self.camera.world_from_camera.as_affine3a();
         Ray::new(place.translation.into(), place.transform_vector3(Vec3::new(px, py, -1.0)).normalize())
     }
 }

@@ -188,12 +188,12 @@ fn place_meshes(
     for placed in placed {
         let node_place = place("node", placed.node, document.nodes[placed.node].name.as_deref());
         // A determinant that underflows has no inverse in f32, and a surface that is scaled to nothing cannot be seen.
-        if !placed.from_shifted(DVec3::ZERO, data.origin).matrix3.determinant().is_normal() {
+        if !placed.shifted_to(DVec3::ZERO, data.origin).matrix3.determinant().is_normal() {
             context.warnings.add(node_place, "its scale is zero in some direction: its mesh is left out");
             continue;
         }
         for mesh in loaded[&placed.index].clone() {
-            let world_from_object = placed.from_shifted(shifts[mesh], data.origin);
+            let world_from_object = placed.shifted_to(shifts[mesh], data.origin);
             let world = bounds[mesh].transformed(&world_from_object);
             if !(world.min.is_finite() && world.max.is_finite()) {
                 return Err(context

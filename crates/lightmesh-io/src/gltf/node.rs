@@ -32,7 +32,7 @@ impl Placed {
     }
 
     /// Returns the transform to coordinates relative to a scene's origin, from a mesh that was moved by −`shift`.
-    pub(super) fn from_shifted(&self, shift: DVec3, origin: DVec3) -> Affine3A {
+    pub(super) fn shifted_to(&self, shift: DVec3, origin: DVec3) -> Affine3A {
         let mut world = self.world_from_node;
         if shift != DVec3::ZERO {
             world.translation = world.transform_point3(shift);

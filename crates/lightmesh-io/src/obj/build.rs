@@ -38,7 +38,8 @@ pub(super) fn build(context: &mut Context<'_>, obj: &Obj) -> Result<SceneData, E
 /// The bytes that a vertex takes in the mesh and in the map that finds it again.
 const VERTEX_BYTES: usize = 3 * size_of::<Vec3>() + size_of::<glam::Vec4>() + 2 * size_of::<(Corner, u32)>();
 
-/// Builds the mesh of one part, relative to the scene's origin. Corners share a vertex if position, texture coordinate and normal are the same.
+/// Builds the mesh of one part, relative to the scene's origin. Corners share a vertex if position, texture coordinate
+/// and normal are the same.
 fn mesh(
     context: &mut Context<'_>,
     obj: &Obj,

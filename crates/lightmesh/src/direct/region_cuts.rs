@@ -17,7 +17,7 @@ use crate::{Error, Falloff, RenderOptions, Scene};
 /// Up to this number of samples, light is summed one by one: that takes less time than a cut through more would.
 const FEW: usize = 512;
 
-/// Regions along the longest edge of what lamps light.
+/// Regions along the longest edge of the scene's box.
 const REGIONS: f32 = 40.0;
 
 /// Surface points summed at a time where there are no regions.
@@ -74,11 +74,12 @@ impl RegionCuts {
             };
 
         // Divide the scene's box into regions.
+        let bounds = scene.bounds();
         Ok(Self {
             tree,
             error: options.transport.light_error,
-            origin: scene.bounds().min,
-            edge: scene.lit_extent().max(1e-20) / REGIONS,
+            origin: bounds.min,
+            edge: bounds.size().max_element().max(1e-20) / REGIONS,
             cuts: HashMap::new(),
             falloff: options.transport.falloff,
             kept_bytes: 0,

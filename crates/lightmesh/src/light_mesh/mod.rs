@@ -50,17 +50,14 @@ impl LightMesh {
         // Choose the lattices of a mesh, the coarsest level first.
         options.validate()?;
         let (interpolator, resolved) = (Interpolator::of(options), options.resolved());
-        let lattices = |option, chosen: Spacing, spacing: Spacing| {
+        let lattices = |option, spacing: Spacing| {
             let bounds = scene.bounds();
-            // Left to itself, the mesh is that of the rooms that lamps light, in a scene of any size.
-            let longest = if chosen == Spacing::Auto { scene.lit_extent() } else { bounds.size().max_element() };
             // A scene may be a single point of a user's shape: any spacing will do.
-            let spacing = spacing.metres(longest.max(1e-20));
+            let spacing = spacing.metres(bounds.size().max_element().max(1e-20));
             let level = |l: u32| Lattice::new(option, &bounds, spacing / (1 << l) as f32, interpolator.reach());
-            // Leave out levels that would have too many points along an axis, but for those that are asked for.
-            let asked = if chosen == Spacing::Auto { 0 } else { resolved.refinements };
-            let mut levels = (0..=asked).map(level).collect::<Result<Vec<_>, _>>()?;
-            levels.extend((asked + 1..=resolved.finer_levels).map_while(|l| level(l).ok()));
+            let mut levels = (0..=resolved.refinements).map(level).collect::<Result<Vec<_>, _>>()?;
+            // Leave out levels for distance that would have too many points along an axis.
+            levels.extend((resolved.refinements + 1..=resolved.finer_levels).map_while(|l| level(l).ok()));
             Ok::<_, Error>(levels)
         };
 
@@ -68,10 +65,10 @@ impl LightMesh {
         let has_indirect =
             options.method.has_mesh() && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
         let indirect = match has_indirect {
-            true => Some(lattices("indirect-spacing", options.mesh.indirect_spacing, resolved.indirect_spacing)?),
+            true => Some(lattices("indirect-spacing", resolved.indirect_spacing)?),
             false => None,
         };
-        let direct = lattices("spacing", options.mesh.spacing, resolved.spacing)?;
+        let direct = lattices("spacing", resolved.spacing)?;
         Ok(Self {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,

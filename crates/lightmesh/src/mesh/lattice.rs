@@ -64,7 +64,10 @@ impl Lattice {
         let cells = inside + f64::from(2 * reach);
         let bricks = (cells / 8.0).ceil();
         if cells.max_element() > MAX_CELLS {
-            let what = format!("{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge");
+            let what = format!(
+                "{spacing} m puts more than {MAX_CELLS} mesh points along the scene's longest edge, too many for memory \
+                 and 32-bit positions; choose a larger one"
+            );
             return Err(Error::InvalidOption { option, what });
         }
 

@@ -8,8 +8,7 @@ use super::Expected;
 /// Distance between neighbouring mesh points. Spelled as metres, `1/K` or `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// The longest edge of the room that a lamp lights / 64, for the indirect mesh / 30, with a bound on the error / 45:
-    /// the median over the lamps, found by rays from them. In the open it is the scene's box that counts.
+    /// The longest edge of the scene's box / 64, for the indirect mesh / 30, with a bound on the error / 45.
     #[default]
     Auto,
     /// The longest edge of the scene's box divided by this; > 0.
@@ -30,7 +29,7 @@ impl Spacing {
 
     pub(super) const EXPECTED: &'static str = "metres above 0, 1/K of the scene's longest edge, or auto";
 
-    /// Returns the distance in metres in a scene or room whose longest edge is `longest`; [`Self::Auto`] must have been
+    /// Returns the distance in metres in a scene whose longest edge is `longest`; [`Self::Auto`] must have been
     /// resolved.
     pub(crate) fn metres(self, longest: f32) -> f32 {
         match self {

@@ -1,6 +1,5 @@
 //! The scene that is rendered: its description, checked, with what is built from it.
 
-mod lit_extent;
 mod scene;
 mod sheets;
 

@@ -21,14 +21,14 @@ use crate::{Error, ErrorEstimate};
 const WORTH: f64 = 0.7;
 
 /// The part of what is left of the bound that direct light aims at, and the least part of the bound that is worth a
-/// policy of its own.
+/// policy of its own. Judgements, not varied.
 const LEFT: f64 = 0.9;
 const LEAST_TARGET: f64 = 0.2;
 
 /// An error below this is rounding: the light is exact.
 const ROUNDING: f64 = 1e-5;
 
-/// Gather rays with which paths are tried, and the most that are taken.
+/// Gather rays with which paths are tried, and the most that are taken. Judgements, not varied.
 const TRIED_RAYS: u32 = 16;
 const MOST_RAYS: u32 = 64;
 

@@ -25,7 +25,7 @@ const PIXELS: u64 = 2048;
 const PIXELS_PER_CHECK: u64 = 8;
 
 /// Rays of all paths after which no more are followed: so many, or so many for each sample of the picture if that is
-/// more.
+/// more. Judgements: a second of two cores, and less than the picture itself.
 const MOST_RAYS: u64 = 1 << 23;
 const RAYS_PER_SAMPLE: u64 = 32;
 
