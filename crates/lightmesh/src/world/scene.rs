@@ -3,7 +3,6 @@
 use fearless_simd::Level;
 use glam::{Mat3, Vec3};
 
-use super::lit_extent::lit_extent;
 use super::sheets::sheets;
 use crate::Error;
 use crate::bvh::{Hit, SceneBvh, flattened_meshes};
@@ -23,7 +22,6 @@ pub struct Scene {
     instance_frames: Vec<InstanceFrame>,
     sheets: Vec<Option<Box<[bool]>>>,
     emitters: Emitters,
-    lit_extent: f32,
     emitter_options: EmitterOptions,
     mirrors: Vec<PlaneMirror>,
     /// Which lamps are seen in which plane mirrors.
@@ -92,8 +90,6 @@ impl Scene {
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
         let emitters = Emitters::new(&data, &bvh, &emitter_options)?;
-        let shines = |hit: &Hit, p: Vec3| emitters.area.is_sampled(&data, hit, p);
-        let lit_extent = lit_extent(&bvh, &emitters.sampled, shines);
         let mirrors = plane_mirrors(&data);
         let pairs = mirrors.iter().flat_map(|&mirror| data.lights.iter().map(move |&light| (light, mirror)));
         let mirrored_lights = pairs.take(MOST_MIRRORED_LIGHTS).collect();
@@ -103,7 +99,6 @@ impl Scene {
         let all_double_sided = data.materials.iter().all(|material| material.double_sided);
         Ok(Self {
             emitters,
-            lit_extent,
             emitter_options,
             mirrors,
             mirrored_lights,
@@ -123,11 +118,6 @@ impl Scene {
     /// The description that it was built from, repaired where [`Scene::warnings`] says so.
     pub fn data(&self) -> &SceneData {
         &self.data
-    }
-
-    /// The longest edge of the places that lamps light, metres: that of a room, whatever stands around it.
-    pub(crate) fn lit_extent(&self) -> f32 {
-        self.lit_extent
     }
 
     /// The box around all surfaces, metres.

@@ -217,6 +217,11 @@ impl AreaLights {
         self.piece_at(data, hit, position).is_some_and(|(light, piece)| self.pieces.luminance[piece] > light.weak_below)
     }
 
+    /// Returns the luminance of the emission of what was hit at a position, mean over its piece, cd/m².
+    pub(super) fn luminance_at(&self, data: &SceneData, hit: &Hit, position: Vec3) -> f32 {
+        self.piece_at(data, hit, position).map_or(0.0, |(_, piece)| self.pieces.luminance[piece])
+    }
+
     /// Returns the density with which [`AreaLights::sample`] finds the point that was hit, 1/m²; 0 for surfaces that are
     /// no lights.
     pub(crate) fn pdf(&self, data: &SceneData, hit: &Hit, position: Vec3) -> f32 {
