@@ -44,9 +44,7 @@ impl ExactShader {
             if intensity == Vec3::ZERO {
                 continue;
             }
-            let stratum = lights.stratum(lane);
-            let is_bulb = matches!(stratum, Stratum::Bulb(_));
-            if stratum != Stratum::Point && !is_bulb {
+            if lights.stratum(lane) != Stratum::Point {
                 let Some(light) = scene.random_light(lights, lane, vertex.position, seed) else { continue };
                 let (direction, f) = light.arriving(falloff, vertex.position);
                 let term = vertex.n.dot(direction) * f;
@@ -59,16 +57,8 @@ impl ExactShader {
             let direction = Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
             let term = vertex.n.dot(direction) * d.f[lane];
             if term > 0.0 {
-                // A small lamp gives what its middle gives; which part of it is hidden is left to chance.
-                let ray = match is_bulb {
-                    false => cut.shadow_ray(lane, vertex.light_origin(direction)),
-                    true => match scene.random_light(lights, lane, vertex.position, seed) {
-                        Some(light) => shadow_ray_to(&light, vertex.light_origin(light.position - vertex.position)),
-                        None => continue,
-                    },
-                };
                 self.light.push(intensity * term);
-                self.rays.push(ray);
+                self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction)));
             }
         }
 

@@ -164,7 +164,7 @@ impl PerLightShader {
         let mut terms = std::mem::take(&mut self.terms);
         let (mut sum, total) = terms.evaluate(simd, lights, &shaded.receiver(), &estimate.certain);
         if lights.has_strata() {
-            terms.raise_strata(shaded.vertex.n, lights);
+            terms.raise_strata(simd, shaded.vertex.n, lights);
         }
 
         let step = policy.step * total;
@@ -283,16 +283,6 @@ impl PerLightShader {
         let samples = shaded.scene.lights();
         if samples.has_strata() {
             let lane = clusters.map_or(first_lane + i, |clusters| clusters.sample(first_lane + i));
-            if let (Stratum::Bulb(_), None) = (samples.stratum(lane), clusters) {
-                // A small lamp gives what its middle gives; which part of it is hidden is left to chance.
-                let Some(light) = shaded.scene.random_light(samples, lane, shaded.vertex.position, shaded.seed) else {
-                    return Vec3::ZERO;
-                };
-                let towards = light.position - shaded.vertex.position;
-                self.rays.push(shadow_ray_to(&light, shaded.origin_towards(towards)));
-                self.queue.push(QueuedRay { weight, expected, surface: shaded.surface });
-                return Vec3::ZERO;
-            }
             if samples.stratum(lane) != Stratum::Point {
                 // Parts of the sky get several where a window shows little of them.
                 let (first, count) = match (in_cluster, samples.stratum(lane)) {

@@ -90,6 +90,16 @@ pub(crate) struct LightSamples {
     pub(crate) last_lanes: usize,
     /// By lane; nothing where all lights are points or directions.
     pub(super) strata: Vec<LaneStratum>,
+    /// By block; nothing where all lights are points or directions.
+    pub(super) reaches: Vec<ReachLanes>,
+}
+
+/// How far the strata of the lights of a block reach: see [`Reach`](super::stratum::Reach).
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct ReachLanes {
+    pub(super) radius: [f32; LANES],
+    pub(super) spread: [f32; LANES],
 }
 
 /// Returns the shadow ray from a point to a light.
@@ -132,6 +142,11 @@ impl LightSamples {
         }
         if has_strata {
             packed.strata.resize(packed.lanes(), LaneStratum::default());
+            let reaches = |block: &[LaneStratum]| ReachLanes {
+                radius: std::array::from_fn(|i| block[i].reach.radius),
+                spread: std::array::from_fn(|i| block[i].reach.spread),
+            };
+            packed.reaches = packed.strata.chunks_exact(LANES).map(reaches).collect();
         }
         packed
     }

@@ -18,7 +18,7 @@ pub(crate) enum Stratum {
     },
     /// A part of an emissive mesh or sphere.
     Area(u32),
-    /// A whole small lamp that shines every way, as a ball does: its light sample is a point in its middle.
+    /// A whole small lamp that is a ball: its light sample is a point in its middle.
     Bulb(u32),
     /// A part of the sky.
     Sky(u32),

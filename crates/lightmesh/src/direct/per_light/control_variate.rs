@@ -41,7 +41,7 @@ impl PerLightShader {
         if let Some(clusters) = clusters {
             terms.raise_to_least(shaded.vertex.n, clusters.least, clusters.radii);
         } else if lights.has_strata() {
-            terms.raise_strata(shaded.vertex.n, lights);
+            terms.raise_strata(simd, shaded.vertex.n, lights);
         }
         let blocks = terms.blocks();
 

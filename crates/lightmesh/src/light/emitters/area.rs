@@ -8,15 +8,15 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 use super::super::sample::{LightEmission, LightSample, Patch, SampledLight};
 use super::super::stratum::{LaneStratum, Reach, Stratum};
+use super::bulb::{Bulb, bulb};
 use super::pieces::{Pieces, Surface};
 use super::primitive::{Primitive, Source, emission_of, piece_of_sphere};
 use super::strata::{Count, Item, stratify};
-use super::{luminance, subdivision};
-use crate::Falloff;
+use super::subdivision;
 use crate::bvh::{Hit, Target};
 use crate::sampling::{hash, seed_of_position};
 use crate::scene::{Light, Material, SceneData};
@@ -32,6 +32,7 @@ pub(crate) struct AreaLights {
     cdf: Vec<f64>,
     /// Places in the order.
     strata: Vec<Range<u32>>,
+    bulbs: Vec<Bulb>,
     /// The index of the light of each instance and sphere; `NONE` for those that do not shine.
     light_of_instance: Vec<u32>,
     light_of_sphere: Vec<u32>,
@@ -241,36 +242,9 @@ impl AreaLights {
         self.sample_places(data, self.lights[light].pieces.clone(), u)
     }
 
-    /// Returns a random point of a whole small lamp as a light that gives a position as much as the lamp's `middle` does,
-    /// by numbers in [0, 1): what is left to chance is which part of it is hidden. The point is chosen among a few by what
-    /// they give there without shadow (Talbot, Cline and Egbert, "Importance Resampling for Global Illumination", EGSR
-    /// 2005), as most points face away; their mean would have their noise, 28% of eight of them on a ball.
-    pub(crate) fn sample_bulb(
-        &self,
-        data: &SceneData,
-        stratum: u32,
-        middle: SampledLight,
-        at: Vec3,
-        u: impl Fn(u32) -> f32,
-    ) -> Option<SampledLight> {
-        const CHOICES: u32 = 8;
-        let given = |light: &SampledLight| {
-            let (d, f) = light.arriving(Falloff::InverseSquare, at);
-            luminance(light.intensity) * f.max(0.0) * d.length()
-        };
-        let (mut chosen, mut sum) = (None, 0.0);
-        for k in 0..CHOICES {
-            let place = Vec2::new((k as f32 + u(2 * k + 1)) / CHOICES as f32, u(2 * k + 2));
-            let Some(light) = self.sample_stratum(data, stratum, place) else { continue };
-            let weight = given(&light);
-            sum += weight;
-            // Keep it with the probability of its weight: a reservoir of one.
-            if weight > 0.0 && u(100 + k) * sum < weight {
-                chosen = Some((light, weight));
-            }
-        }
-        let (light, weight) = chosen?;
-        Some(SampledLight { intensity: light.intensity * (given(&middle) / weight), ..light })
+    /// Returns the ball that a small lamp is for what it lights.
+    pub(super) fn bulb(&self, index: u32) -> Bulb {
+        self.bulbs[index as usize]
     }
 
     /// Returns a random point of a stratum as a light, by u in [0, 1)²: its light at any place has the stratum's light
@@ -341,6 +315,7 @@ impl AreaLights {
     /// Divides each light into strata; what is sampled comes first. Returns them light by light.
     pub(super) fn arrange(&mut self, data: &SceneData, arrangements: &[Arrangement]) -> Vec<LightStrata> {
         self.strata.clear();
+        self.bulbs.clear();
         let mut all = Vec::with_capacity(self.lights.len());
         for (index, &Arrangement { strata: [sampled, weak], weak_below, is_small }) in arrangements.iter().enumerate() {
             self.lights[index].weak_below = weak_below;
@@ -402,16 +377,16 @@ impl AreaLights {
         let mut items: Vec<Item> = middles.into_iter().map(item).collect();
         let runs = stratify(&mut items, Count { wanted, most: MOST_STRATA * wanted, facing });
         // Represent the whole by a point, or each run by a patch.
-        let bulb = if is_small { bulb(&items, facing, &self.pieces.areas) } else { None };
+        let bulb = if is_small { bulb(&items, facing, &self.pieces) } else { None };
         let mut strata = Vec::with_capacity(runs.len());
         if let Some(bulb) = &bulb {
             let whole =
                 items.iter().map(|item| self.emission(data, &light, item.index) * self.area_of(item)).sum::<Vec3>();
             let sample = Light::Point { position: bulb.middle, intensity_cd: 0.25 * whole, range: None };
-            let reach = Reach { radius: bulb.radius, spread: 0.0 };
-            let stratum = Stratum::Bulb(self.strata.len() as u32);
+            let reach = Reach { radius: bulb.reach, spread: 0.0 };
+            let stratum = Stratum::Bulb(self.bulbs.len() as u32);
             strata.push((LightSample::Punctual(sample), LaneStratum { stratum, reach }));
-            self.strata.push(*place..*place + items.len() as u32);
+            self.bulbs.push(*bulb);
         }
         for run in runs.into_iter().filter(|_| bulb.is_none()) {
             let items = &items[run.start as usize..run.end as usize];
@@ -478,42 +453,6 @@ impl AreaLights {
         Some((patch, reach))
     }
 }
-
-/// A lamp that is about a ball.
-struct Bulb {
-    middle: Vec3,
-    /// Of a ball around it, metres.
-    radius: f32,
-}
-
-/// Returns the ball that the pieces are about, if they are: closed, facing outwards, and as far from their middle all
-/// around.
-fn bulb(items: &[Item], facing: f32, areas: &[f32]) -> Option<Bulb> {
-    let (mut middle, mut normal, mut weight) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    for item in items {
-        middle += Vec3::from_slice(&item.at[..3]).as_dvec3() * f64::from(item.weight);
-        normal += Vec3::from_slice(&item.at[3..]).as_dvec3() * f64::from(item.weight);
-        weight += f64::from(item.weight);
-    }
-    let middle = (middle / weight).as_vec3();
-    let (mut nearest, mut furthest) = (f32::INFINITY, 0.0_f32);
-    for item in items {
-        let (d, n) = (Vec3::from_slice(&item.at[..3]) - middle, Vec3::from_slice(&item.at[3..]));
-        if d.dot(n) < OUTWARDS * d.length() * facing {
-            return None;
-        }
-        let reach = areas[item.index as usize].sqrt();
-        (nearest, furthest) = (nearest.min(d.length()), furthest.max(d.length() + reach));
-    }
-    let is_closed = normal.length() < CLOSED * weight * f64::from(facing);
-    (is_closed && furthest < OBLONG * nearest).then_some(Bulb { middle, radius: furthest })
-}
-
-/// Limits of what counts as a ball: the cosine between a piece's normal and the way outwards, the length of the mean
-/// normal, and the furthest over the nearest piece.
-const OUTWARDS: f32 = 0.6;
-const CLOSED: f64 = 0.1;
-const OBLONG: f32 = 1.8;
 
 /// Returns n or −n, so that both sides of a surface have one normal.
 fn upper(n: Vec3) -> Vec3 {

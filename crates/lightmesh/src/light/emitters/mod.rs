@@ -12,6 +12,7 @@
 //! the others from their front. Unlit surfaces show and light nothing.
 
 mod area;
+mod bulb;
 mod emission_bounds;
 mod environment;
 mod pieces;
@@ -124,7 +125,7 @@ impl Emitters {
         match stratum {
             Stratum::Point => lights.sample(lane),
             Stratum::Area(stratum) => self.area.sample_stratum(data, stratum, Vec2::new(u(0), u(1))),
-            Stratum::Bulb(stratum) => self.area.sample_bulb(data, stratum, lights.sample(lane)?, at, u),
+            Stratum::Bulb(bulb) => Some(self.area.bulb(bulb).sample(lights.sample(lane)?, at, Vec2::new(u(0), u(1)))),
             Stratum::Sky(stratum) => self.environment.as_ref()?.sample_stratum(stratum, Vec2::new(u(0), u(1))),
             Stratum::Ball { light, part } => {
                 let u = Vec3::new(u(0), u(1), u(2));
