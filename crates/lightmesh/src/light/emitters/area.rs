@@ -292,7 +292,7 @@ impl AreaLights {
     }
 
     fn primitive<'a>(&self, data: &'a SceneData, light: &AreaLight, piece: u32) -> Primitive<'a> {
-        let primitive = self.pieces.primitive_of(piece) - light.first_primitive;
+        let primitive = self.pieces.primitives[piece as usize] - light.first_primitive;
         Primitive::of(data, light.surface.source, primitive)
     }
 

@@ -36,6 +36,8 @@ pub(super) struct Pieces {
     pub luminance: Vec<f32>,
     /// By piece: square metres.
     pub areas: Vec<f32>,
+    /// By piece: the primitive that it belongs to, by its number among those of all lights.
+    pub primitives: Vec<u32>,
     /// By primitive: its first piece; and the number of all pieces.
     pub first: Vec<u32>,
 }
@@ -122,16 +124,12 @@ impl Pieces {
                     let highest = division.range(cell).map_or(mean, |[_, most]| most * material.emission.max_element());
                     pieces.luminance.push(mean.max(LEAST * highest));
                     pieces.areas.push(whole * primitive.part(cell));
+                    pieces.primitives.push(pieces.first.len() as u32 - 1);
                 }
             }
         }
         pieces.first.push(pieces.cells.len() as u32);
         Some(pieces)
-    }
-
-    /// Returns the primitive that a piece belongs to, by its number among those of all lights.
-    pub(super) fn primitive_of(&self, piece: u32) -> u32 {
-        self.first.partition_point(|&first| first <= piece) as u32 - 1
     }
 }
 
@@ -230,7 +228,7 @@ mod tests {
         // All of the light, as exactly as sixteen points tell for the pieces on the texel's rim, from about its area.
         let (mut flux, mut shining) = (0.0, 0.0);
         for (piece, (&cell, &l)) in pieces.cells.iter().zip(&pieces.luminance).enumerate() {
-            let primitive = Primitive::of(&data, surface.source, pieces.primitive_of(piece as u32));
+            let primitive = Primitive::of(&data, surface.source, pieces.primitives[piece]);
             let area = primitive.area() * primitive.part(cell);
             flux += area * l;
             shining += if l > 0.0 { area } else { 0.0 };
