@@ -285,16 +285,22 @@ impl PerLightShader {
             let lane = clusters.map_or(first_lane + i, |clusters| clusters.sample(first_lane + i));
             if samples.stratum(lane) != Stratum::Point {
                 // Parts of the sky get several where a window shows little of them.
-                let (first, count) = match (in_cluster, samples.stratum(lane)) {
-                    (ClusterSampling::One { k }, _) => (hash(k), 1.0),
-                    (ClusterSampling::Some { rays }, Stratum::Sky(_)) => (0, rays.round().clamp(1.0, RAYS_PER_CLUSTER)),
-                    (ClusterSampling::Some { .. }, _) => (0, 1.0),
-                };
-                for k in 0..count as u32 {
-                    let light =
-                        shaded.scene.random_light(samples, lane, shaded.vertex.position, shaded.seed ^ hash(first ^ k));
-                    self.queue_light(shaded, light, scale / count, 0.0);
+                if let (ClusterSampling::Some { rays }, Stratum::Sky(_)) = (in_cluster, samples.stratum(lane)) {
+                    let count = rays.round().clamp(1.0, RAYS_PER_CLUSTER);
+                    for k in 0..count as u32 {
+                        let emitters = shaded.scene.emitters();
+                        let light = emitters.sky_direction(samples, lane, k, count as u32, shaded.seed);
+                        self.queue_light(shaded, light, scale / count, 0.0);
+                    }
+                    return weight * expected;
                 }
+                let k = match in_cluster {
+                    ClusterSampling::One { k } => k,
+                    ClusterSampling::Some { .. } => 0,
+                };
+                let seed = shaded.seed ^ hash(hash(k));
+                let light = shaded.scene.random_light(samples, lane, shaded.vertex.position, seed);
+                self.queue_light(shaded, light, scale, 0.0);
                 return weight * expected;
             }
         }

@@ -121,7 +121,7 @@ impl<'a> PointLights<'a> {
             let noise = strength(lane) * (q * (1.0 - q)).sqrt() / arriving.max(f32::MIN_POSITIVE);
             let count = (SKY_RAYS * noise).ceil().clamp(1.0, SKY_RAYS_PER_PART);
             for k in 0..count as u32 {
-                let light = self.scene.random_light(lights, lane as usize, x, hash(seed ^ k));
+                let light = self.scene.emitters().sky_direction(lights, lane as usize, k, count as u32, seed);
                 let Some(light) = light else { continue };
                 self.rays.push(shadow_ray_to(&light, x));
                 let light = PointLight {

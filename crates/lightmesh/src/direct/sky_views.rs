@@ -103,7 +103,8 @@ impl<'a> SkyViews<'a> {
             let seed = hash(!seed_of_position(place));
             for &lane in &self.lanes {
                 for k in 0..RAYS {
-                    let light = self.scene.random_light(self.scene.lights(), lane as usize, place, hash(seed ^ k));
+                    let emitters = self.scene.emitters();
+                    let light = emitters.sky_direction(self.scene.lights(), lane as usize, k, RAYS, seed);
                     self.rays.extend(light.map(|light| shadow_ray_to(&light, place)));
                 }
             }

@@ -109,6 +109,20 @@ impl Emitters {
         self.all.as_ref().unwrap_or(&self.sampled)
     }
 
+    /// Returns the k-th of `count` random directions, spread evenly, in the part of the sky that a lane's light stands for.
+    pub(crate) fn sky_direction(
+        &self,
+        lights: &LightSamples,
+        lane: usize,
+        k: u32,
+        count: u32,
+        seed: u32,
+    ) -> Option<SampledLight> {
+        let Stratum::Sky(stratum) = lights.stratum(lane) else { return None };
+        let seed = hash(seed ^ hash(lane as u32));
+        self.environment.as_ref()?.sample_stratum(stratum, spread_evenly(k, count, seed))
+    }
+
     /// Returns a random point of the stratum that a lane's light stands for, as a light that shines on a position, by a
     /// seed for that: its light there has the stratum's light as expectation. `None` where it gives none.
     pub(crate) fn random_point(
@@ -133,6 +147,14 @@ impl Emitters {
             }
         }
     }
+}
+
+/// Returns the k-th of `count` numbers in [0, 1)² that are spread evenly, moved by a seed: Hammersley's set with a shift
+/// (Cranley and Patterson 1976).
+fn spread_evenly(k: u32, count: u32, seed: u32) -> Vec2 {
+    let shift = Vec2::new(unit_f32(hash(seed)), unit_f32(hash(!seed)));
+    let u = Vec2::new((k as f32 + 0.5) / count as f32, radical_inverse(k)) + shift;
+    (u - u.floor()).min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
 /// Samples of all lights by which the surroundings of each are judged, and of one of them.

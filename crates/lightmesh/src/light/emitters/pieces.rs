@@ -225,13 +225,14 @@ mod tests {
         };
         let surface = Surface { source: Source::Instance(0), material: 0, primitives: 2 };
         let pieces = Pieces::new(&data, &[surface]);
-        // All of the light, as exactly as sixteen points tell for the pieces on the texel's rim, from about its area.
+        // All of the light, as exactly as sixteen points tell for the pieces on the texel's rim, from about its area:
+        // pieces beside it count with the least that any counts.
         let (mut flux, mut shining) = (0.0, 0.0);
         for (piece, (&cell, &l)) in pieces.cells.iter().zip(&pieces.luminance).enumerate() {
             let primitive = Primitive::of(&data, surface.source, pieces.primitives[piece]);
             let area = primitive.area() * primitive.part(cell);
             flux += area * l;
-            shining += if l > 0.0 { area } else { 0.0 };
+            shining += if l > 2.0 * LEAST * 1000.0 { area } else { 0.0 };
         }
         let expected = 1000.0 / 256.0 / 256.0;
         assert!((flux / expected - 1.0).abs() < 0.1, "{flux} {expected}");

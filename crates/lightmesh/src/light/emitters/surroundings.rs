@@ -38,7 +38,7 @@ const SHADOWS: usize = 6;
 /// the lamp.
 const DARK: f32 = 0.33;
 
-/// Parts of the rays that end nearer than what counts as near, and as usual.
+/// Parts of the rays that end nearer than what counts as near, and of those that meet anything, as usual.
 const NEAR: f32 = 0.15;
 const USUAL: f32 = 0.5;
 
@@ -110,8 +110,11 @@ impl Around<'_> {
             values.sort_unstable_by(f32::total_cmp);
             values.get((part * values.len() as f32) as usize).copied().unwrap_or(otherwise)
         };
+        let near = quantile(&mut distances, NEAR, f32::INFINITY);
+        // In the open it is the ground that counts, not the rays that leave.
+        distances.retain(|t| t.is_finite());
         Surroundings {
-            near: quantile(&mut distances, NEAR, f32::INFINITY),
+            near,
             usual: quantile(&mut distances, USUAL, f32::INFINITY),
             weak_below: WEAK_TIMES_WALL * quantile(&mut walls, DARK, 0.0),
         }
