@@ -6,39 +6,54 @@ use glam::Vec3;
 use lightmesh::distributed::{self, BounceValues, BrickMask, GatherBatch, PictureSamples, PointRequests, WaveRequest};
 use lightmesh::{Error, Interpolation, LightMesh, Method, RenderOptions, Scene, Snapshot, render};
 
-/// Every point that a picture reads is requested before: when those are filled, none is left for the picture.
+/// Every point that a picture reads is requested before, by the samples of every pixel and by those on emitter edges:
+/// when those are filled, none is left for the picture, and it is the one that fills its mesh as it goes.
 #[test]
 fn requested_points_are_those_that_a_picture_reads() {
     let scene = Scene::new(room_with_mirror()).expect("scene");
     let camera = room_camera();
     for method in [Method::MESH, Method::PAPER, Method::Hybrid, Method::UNBIASED] {
-        for refine in [None, Some(2)] {
+        for (refine, spp) in [(None, 3), (Some(2), 1), (Some(2), 3)] {
             let interpolation = if refine.is_some() { Interpolation::Trilinear } else { Interpolation::Auto };
             let options = options(method).with(|o| {
                 o.picture.width = 200;
                 o.picture.height = 150;
-                o.picture.spp = 3;
+                o.picture.spp = spp;
                 o.mesh.refine = refine;
                 o.mesh.interpolation = interpolation;
             });
             let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
             let prepared = distributed::prepare(&scene, &camera, &options, &mut mesh, &()).expect("prepared");
-            for _ in 0..mesh.level_count() {
-                let mut wanted = PointRequests::default();
-                for i in 0..distributed::wave_count(&options).expect("count") {
-                    let request = WaveRequest { prepared: &prepared, samples: PictureSamples::All, waves: i..i + 1 };
-                    let more = distributed::requested_points(&scene, &camera, &options, &mut mesh, request, &())
-                        .expect("wanted");
-                    wanted.merge(&more);
+            let fill_for = |mesh: &mut LightMesh, samples: PictureSamples<'_>, waves: u64| {
+                for _ in 0..mesh.level_count() {
+                    let mut wanted = PointRequests::default();
+                    for i in 0..waves {
+                        let request = WaveRequest { prepared: &prepared, samples, waves: i..i + 1 };
+                        let more = distributed::requested_points(&scene, &camera, &options, mesh, request, &());
+                        wanted.merge(&more.expect("wanted"));
+                    }
+                    let before = mesh.stats().points_used;
+                    distributed::fill_direct(&scene, &options, mesh, &wanted.direct, &()).expect("filled");
+                    assert_eq!(mesh.stats().points_used - before, wanted.len(), "{method:?} {refine:?} {spp}");
                 }
-                let before = mesh.stats().points_used;
-                distributed::fill_direct(&scene, &options, &mut mesh, &wanted.direct, &()).expect("filled");
-                assert_eq!(mesh.stats().points_used - before, wanted.len(), "{method:?} {refine:?}");
+            };
+            let waves = distributed::wave_count(&options).expect("count");
+            fill_for(&mut mesh, PictureSamples::All, waves);
+            let draw = |i| {
+                let request = WaveRequest { prepared: &prepared, samples: PictureSamples::All, waves: i..i + 1 };
+                let part = distributed::render_waves(&scene, &camera, &options, &mut mesh, request, &()).expect("part");
+                assert_eq!(part.stats.fill_shadow_rays, 0, "{method:?} {refine:?} {spp}");
+                part
+            };
+            let parts: Vec<_> = (0..waves).map(draw).collect();
+            let edges = distributed::find_emitter_edges(&scene, &camera, &options, &parts).expect("edges");
+            if let Some(edges) = &edges {
+                fill_for(&mut mesh, PictureSamples::EmitterEdges(edges), edges.waves);
             }
             let frame = render(&scene, &camera, &options, &mut mesh, &()).expect("frame");
             let (mine, all) = (frame.stats.fill_shadow_rays, frame.stats.rays.shadow);
-            assert_eq!(mine, 0, "{method:?} {refine:?}: {mine} of {all} shadow rays");
-            assert_eq!(frame.image, shoot(&scene, &camera, &options).image, "{method:?} {refine:?}");
+            assert_eq!(mine, 0, "{method:?} {refine:?} {spp}: {mine} of {all} shadow rays");
+            assert_eq!(frame.image, shoot(&scene, &camera, &options).image, "{method:?} {refine:?} {spp}");
         }
     }
 }

@@ -5,15 +5,15 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
-use crate::light::{Directions, LightCut};
+use crate::light::{Directions, LightCut, Stratum, shadow_ray_to};
+use crate::sampling::{hash, seed_of_position};
 use crate::world::Scene;
 
 /// Sums light exactly, with buffers that it keeps; one per worker.
 #[derive(Debug, Default)]
 pub(crate) struct ExactShader {
     directions: Directions,
-    lanes: Vec<u32>,
-    terms: Vec<f32>,
+    light: Vec<Vec3>,
     rays: Vec<Ray>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
@@ -21,38 +21,50 @@ pub(crate) struct ExactShader {
 
 impl ExactShader {
     /// Returns Σ_i V_i φ2 E_i / φ3 over the lights of a cut: formula (2) with exact visibility, lux per channel; and
-    /// the number of shadow rays.
+    /// the number of shadow rays. The ray to a light that stands for a part of an emitter goes to a random point of that
+    /// part, by the seed: the expectation is exact.
     pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
         cut: &LightCut<'_>,
         falloff: Falloff,
         vertex: &ShadingPoint,
+        seed: u32,
     ) -> (Vec3, u64) {
         let lights = cut.lights();
         lights.directions(scene.simd_level(), falloff, vertex.position, &mut self.directions);
 
         // Make a ray to each light that is in front of the surface and has it in its cone and range.
-        self.lanes.clear();
-        self.terms.clear();
+        self.light.clear();
         self.rays.clear();
         let d = &self.directions;
+        let seed = hash(seed ^ seed_of_position(vertex.position));
         for lane in 0..lights.lanes() {
+            let intensity = lights.intensity(lane);
+            if intensity == Vec3::ZERO {
+                continue;
+            }
+            if lights.stratum(lane) != Stratum::Point {
+                let Some(light) = scene.random_light(lights, lane, vertex.position, seed) else { continue };
+                let (direction, f) = light.arriving(falloff, vertex.position);
+                let term = vertex.n.dot(direction) * f;
+                if term > 0.0 {
+                    self.light.push(light.intensity * term);
+                    self.rays.push(shadow_ray_to(&light, vertex.light_origin(direction)));
+                }
+                continue;
+            }
             let direction = Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
             let term = vertex.n.dot(direction) * d.f[lane];
-            if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
-                self.lanes.push(lane as u32);
-                self.terms.push(term);
+            if term > 0.0 {
+                self.light.push(intensity * term);
                 self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction)));
             }
         }
 
         // Trace the rays and sum.
         visibility(scene, &self.rays, &mut self.shadow, &mut self.visible);
-        let mut sum = Vec3::ZERO;
-        for ((&lane, &term), &v) in self.lanes.iter().zip(&self.terms).zip(&self.visible) {
-            sum += lights.intensity(lane as usize) * v * term;
-        }
+        let sum = self.light.iter().zip(&self.visible).map(|(&light, &v)| light * v).sum();
         (sum, self.rays.len() as u64)
     }
 }

@@ -5,9 +5,13 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
-use crate::light::{Directions, LightCut};
-use crate::sampling::{hash, unit_f32};
+use crate::light::{Directions, LightCut, Stratum, shadow_ray_to};
+use crate::sampling::{hash, seed_of_position, unit_f32};
 use crate::world::Scene;
+
+/// The least that is expected of a part of an emitter, in units of what it gave if its middle were as high above the
+/// surface as the part's radius. Not varied.
+const LEAST: f32 = 0.1;
 
 /// Estimates light with few rays, with buffers that it keeps; one per worker.
 #[derive(Debug, Default)]
@@ -45,7 +49,10 @@ impl FewRaysShader {
         self.sums.clear();
         let (d, mut total) = (&self.directions, 0.0);
         for lane in 0..lights.lanes() {
-            let term = vertex.n.dot(Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane])) * d.f[lane];
+            // A part of an emitter may reach above the horizon although its middle does not.
+            let cos = vertex.n.dot(Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]));
+            let radius = lights.radius(lane);
+            let term = if cos + radius > 0.0 { cos.max(LEAST * radius) * d.f[lane] } else { 0.0 };
             if term > 0.0 && lights.intensity(lane) != Vec3::ZERO {
                 let light = lights.intensity(lane) * term;
                 total += light.max_element();
@@ -59,19 +66,27 @@ impl FewRaysShader {
         self.rays.clear();
         self.weights.clear();
         let direction = |lane: usize| Vec3::new(d.dx[lane], d.dy[lane], d.dz[lane]);
-        let mut ray_to = |i: usize, weight: Vec3| {
+        let seed_of_places = hash(seed ^ seed_of_position(vertex.position));
+        let mut ray_to = |i: usize, k: u32, scale: f32| {
             let lane = self.lanes[i] as usize;
-            self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction(lane))));
-            self.weights.push(weight);
+            if lights.stratum(lane) == Stratum::Point {
+                self.rays.push(cut.shadow_ray(lane, vertex.light_origin(direction(lane))));
+                self.weights.push(self.terms[i] * scale);
+            } else if let Some(light) = scene.random_light(lights, lane, vertex.position, seed_of_places ^ hash(k)) {
+                // A random point of the part of the emitter that the lane stands for.
+                let (towards, f) = light.arriving(falloff, vertex.position);
+                self.rays.push(shadow_ray_to(&light, vertex.light_origin(towards)));
+                self.weights.push(light.intensity * (vertex.n.dot(towards) * f).max(0.0) * scale);
+            }
         };
         if self.terms.len() <= most as usize {
-            self.terms.iter().enumerate().for_each(|(i, &term)| ray_to(i, term));
+            (0..self.terms.len()).for_each(|i| ray_to(i, 0, 1.0));
         } else {
             for k in 0..most {
                 let u = (k as f32 + unit_f32(hash(seed ^ hash(k)))) / most as f32;
                 let i = self.sums.partition_point(|&sum| sum <= u * total).min(self.terms.len() - 1);
                 let p = self.terms[i].max_element() / total * most as f32;
-                ray_to(i, self.terms[i] / p);
+                ray_to(i, k, 1.0 / p);
             }
         }
 

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::encoding::PointValues;
 use super::field::DirectField;
 use super::point_lights::PointLights;
+use super::sky_views::SkyViews;
 use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
 use crate::{Error, RayCounts, Scene};
 
@@ -45,21 +46,23 @@ impl DirectField {
         let evaluated: Vec<_> = requested
             .par_chunks(64)
             .map(|chunk| {
+                let mut sky = if lights.has_clusters() { None } else { SkyViews::new(scene) };
                 let mut lights = PointLights::new(scene, lights.at(scene), encoding.falloff());
-                let evaluate = |&address: &Address| {
+                let mut evaluate = |&address: &Address| {
                     let x = points.position_of(address);
+                    let spacing = points.level(address.level).lattice.spacing();
                     let clearance = match encoding.needs_probes() {
-                        true => probe(scene, x, points.level(address.level).lattice.spacing()),
+                        true => probe(scene, x, spacing),
                         false => Some(Clearance::ALL_FREE),
                     };
                     let values = clearance.map(|_| {
-                        lights.trace(x);
+                        lights.trace(x, sky.as_mut().map(|sky| sky.around(x, spacing)));
                         encoding.evaluate(&lights)
                     });
                     EvaluatedPoint { address, clearance, values }
                 };
-                let evaluated: Vec<_> = chunk.iter().map(evaluate).collect();
-                (evaluated, lights.shadow_rays())
+                let evaluated: Vec<_> = chunk.iter().map(&mut evaluate).collect();
+                (evaluated, lights.shadow_rays() + sky.map_or(0, |sky| sky.rays()))
             })
             .collect();
 

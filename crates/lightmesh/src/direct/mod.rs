@@ -13,6 +13,7 @@ mod read_lights;
 mod region_cuts;
 mod region_visibility;
 mod shading;
+mod sky_views;
 mod visibility_estimate;
 
 pub use encoding::DirectValues;

@@ -5,7 +5,8 @@ use glam::Vec3;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
-use crate::light::{Directions, LightCut};
+use crate::light::{Directions, LightCut, Stratum, shadow_ray_to};
+use crate::sampling::{hash, seed_of_position};
 use crate::world::Scene;
 
 /// Traces the lights of mesh points, one point after the other, with buffers that it keeps.
@@ -20,7 +21,24 @@ pub(super) struct PointLights<'a> {
     rays: Vec<Ray>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
+    /// Rays to the sky, part by part.
+    sky: Vec<SkyRay>,
+    ray_visible: Vec<Vec3>,
 }
+
+/// A ray to a random direction in a part of the sky.
+#[derive(Clone, Copy, Debug)]
+struct SkyRay {
+    /// Its place among the lanes that shine on the point.
+    index: usize,
+    light: PointLight,
+    /// Whether some of the part is visible around the point, and some not.
+    is_mixed: bool,
+}
+
+/// Rays to a part of the sky whose noise, if one ray had it, is as much as all that arrives; and the most. Empirical.
+const SKY_RAYS: f32 = 192.0;
+const SKY_RAYS_PER_PART: f32 = 64.0;
 
 /// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of
 /// it.
@@ -47,6 +65,8 @@ impl<'a> PointLights<'a> {
             rays: Vec::new(),
             visible: Vec::new(),
             shadow: VisibilityScratch::default(),
+            sky: Vec::new(),
+            ray_visible: Vec::new(),
         }
     }
 
@@ -55,8 +75,9 @@ impl<'a> PointLights<'a> {
         self.shadow_rays
     }
 
-    /// Traces a shadow ray from the point at `x` to every light that shines on it.
-    pub(super) fn trace(&mut self, x: Vec3) {
+    /// Traces a shadow ray from the point at `x` to every light that shines on it, and several to parts of the sky:
+    /// `around` has how much is visible of each in the neighbourhood, if there is a sky.
+    pub(super) fn trace(&mut self, x: Vec3, around: Option<&[f32]>) {
         self.cut.set_receiver(x, self.falloff);
         let lights = self.cut.lights();
         lights.directions(self.scene.simd_level(), self.falloff, x, &mut self.directions);
@@ -68,18 +89,86 @@ impl<'a> PointLights<'a> {
                 self.rays.push(self.cut.shadow_ray(lane, x));
             }
         }
-        visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible);
+        match around {
+            None => visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible),
+            Some(around) => self.trace_with_sky(x, around),
+        }
         self.shadow_rays += self.rays.len() as u64;
     }
 
-    /// Returns the lights that shine on the point traced last.
+    /// Traces shadow rays to random directions in each part of the sky that shines on the point, more to parts of which
+    /// something is visible and something not, by what is seen `around`. The same few directions everywhere would throw
+    /// sharp pictures of a window on the walls behind it.
+    fn trace_with_sky(&mut self, x: Vec3, around: &[f32]) {
+        // Find out how much arrives from the whole sky, and drop the rays to the middle of its parts.
+        let lights = self.cut.lights();
+        let is_sky = |lane: u32| matches!(lights.stratum(lane as usize), Stratum::Sky(_));
+        let strength = |lane: u32| lights.intensity(lane as usize).element_sum();
+        let sky_lanes = self.lanes.iter().filter(|&&lane| is_sky(lane));
+        let arriving: f32 = sky_lanes.zip(around).map(|(&lane, q)| strength(lane) * q).sum();
+        let mut lanes = self.lanes.iter();
+        self.rays.retain(|_| lanes.next().is_some_and(|&lane| !is_sky(lane)));
+
+        // Shoot as many rays to each part as its noise asks for.
+        let seed = hash(seed_of_position(x));
+        let (mut parts, singles) = (around.iter(), self.rays.len());
+        self.sky.clear();
+        for (index, &lane) in self.lanes.iter().enumerate() {
+            if !is_sky(lane) {
+                continue;
+            }
+            let q = parts.next().copied().unwrap_or(0.5);
+            let noise = strength(lane) * (q * (1.0 - q)).sqrt() / arriving.max(f32::MIN_POSITIVE);
+            let count = (SKY_RAYS * noise).ceil().clamp(1.0, SKY_RAYS_PER_PART);
+            for k in 0..count as u32 {
+                let light = self.scene.emitters().sky_direction(lights, lane as usize, k, count as u32, seed);
+                let Some(light) = light else { continue };
+                self.rays.push(shadow_ray_to(&light, x));
+                let light = PointLight {
+                    intensity: light.intensity / count,
+                    f: 1.0,
+                    direction: light.position,
+                    visible: Vec3::ZERO,
+                };
+                self.sky.push(SkyRay { index, light, is_mixed: q > 0.0 && q < 1.0 });
+            }
+        }
+        visibility(self.scene, &self.rays, &mut self.shadow, &mut self.ray_visible);
+
+        // None or all of a part is visible only where that is so all around.
+        let mut rays = self.ray_visible[singles..].iter();
+        let mut single = self.ray_visible[..singles].iter();
+        self.visible.clear();
+        self.visible.extend(self.lanes.iter().map(|&lane| {
+            let of_single = if is_sky(lane) { None } else { single.next() };
+            of_single.copied().unwrap_or_default()
+        }));
+        for part in self.sky.chunk_by_mut(|a, b| a.index == b.index) {
+            let mut sum = Vec3::ZERO;
+            for ray in part.iter_mut() {
+                ray.light.visible = rays.next().copied().unwrap_or_default();
+                sum += ray.light.visible;
+            }
+            let mean = sum / part.len() as f32;
+            let is_mixed = part[0].is_mixed && (mean == Vec3::ZERO || mean == Vec3::ONE);
+            self.visible[part[0].index] = if is_mixed { Vec3::splat(0.5) } else { mean };
+        }
+    }
+
+    /// Returns the lights that shine on the point traced last, parts of the sky ray by ray.
     pub(super) fn iter(&self) -> impl Iterator<Item = PointLight> {
         let Directions { dx, dy, dz, f } = &self.directions;
-        self.lanes.iter().zip(&self.visible).map(move |(&lane, &visible)| {
+        let lights = self.cut.lights();
+        let has_sky = !self.sky.is_empty();
+        let single = self.lanes.iter().zip(&self.visible).filter_map(move |(&lane, &visible)| {
             let lane = lane as usize;
+            if has_sky && matches!(lights.stratum(lane), Stratum::Sky(_)) {
+                return None;
+            }
             let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
-            PointLight { intensity: self.cut.lights().intensity(lane), f: f[lane], direction, visible }
-        })
+            Some(PointLight { intensity: lights.intensity(lane), f: f[lane], direction, visible })
+        });
+        single.chain(self.sky.iter().map(|ray| ray.light))
     }
 
     /// Returns the lanes of these lights, ascending.

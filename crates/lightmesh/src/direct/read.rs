@@ -45,7 +45,7 @@ impl DirectField {
             estimate: VisibilityEstimate::new(if has_runs { 0 } else { scene.lights().lanes() }),
             samples: scene.lights(),
             region: match &self.encoding {
-                DirectEncoding::PerLight(own) => RegionVisibility::new(&self.lights, own.falloff),
+                DirectEncoding::PerLight(own) => RegionVisibility::new(scene.lights(), &self.lights, own.falloff),
                 DirectEncoding::SixAxis(_) | DirectEncoding::Scalar(_) => None,
             },
             rows: [0; 8],

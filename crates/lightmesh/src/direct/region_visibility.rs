@@ -29,10 +29,10 @@ pub(crate) struct Clusters<'a> {
     tree: &'a LightTree,
     /// By lane: the node of the tree.
     nodes: &'a [u32],
-    /// By lane, 0 for single lights: the least light to expect of a cluster (lux, mean over the channels) at a surface
+    /// By lane, 0 for single points: the least light to expect of a cluster (lux, mean over the channels) at a surface
     /// that its mean position does not shine on.
     pub least: &'a [f32],
-    /// By lane, 0 for single lights: how far a cluster's lights are from its mean position, metres.
+    /// By lane, 0 for single points: how far a cluster's lights are from its mean position, metres.
     pub radii: &'a [f32],
 }
 
@@ -51,6 +51,12 @@ impl Clusters<'_> {
     pub(super) fn node(&self, lane: usize) -> Option<u32> {
         let node = self.nodes[lane];
         (!self.tree.is_single(node)).then_some(node)
+    }
+
+    /// Returns the lane among all samples of a lane that is no cluster.
+    #[inline(always)]
+    pub(super) fn sample(&self, lane: usize) -> usize {
+        self.tree.representative(self.nodes[lane], 0.0)
     }
 
     /// Returns how many lights a node has.
@@ -76,6 +82,7 @@ const LEAST_RATIO: f32 = 0.02;
 /// The lights of the last region; buffers are kept from region to region.
 #[derive(Debug)]
 pub(super) struct RegionVisibility<'a> {
+    samples: &'a LightSamples,
     regions: &'a RegionCuts,
     tree: &'a LightTree,
     falloff: Falloff,
@@ -95,9 +102,10 @@ pub(super) struct RegionVisibility<'a> {
 
 impl<'a> RegionVisibility<'a> {
     /// No region yet; `None` where lights are not clusters.
-    pub(crate) fn new(regions: &'a RegionCuts, falloff: Falloff) -> Option<Self> {
+    pub(crate) fn new(samples: &'a LightSamples, regions: &'a RegionCuts, falloff: Falloff) -> Option<Self> {
         let tree = regions.tree()?;
         Some(Self {
+            samples,
             regions,
             tree,
             falloff,
@@ -129,7 +137,7 @@ impl<'a> RegionVisibility<'a> {
     /// Packs the lights of a region, and forgets the states of the last one.
     #[inline(never)]
     fn pack(&mut self, region: Region) {
-        let Self { regions, tree, falloff, refinement, cut, lights, nodes, least, radii, leaves, .. } = self;
+        let Self { samples, regions, tree, falloff, refinement, cut, lights, nodes, least, radii, leaves, .. } = self;
         // Pack the nodes of the cut, and list their leaves.
         tree.pack(regions.cut(region, *falloff, refinement, cut), lights, nodes);
         leaves.clear();
@@ -145,6 +153,12 @@ impl<'a> RegionVisibility<'a> {
                 let (radius, (r, arriving)) =
                     (tree.radius(node), tree.distance_and_illuminance(node, *falloff, centre));
                 least[lane] = LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0);
+                radii[lane] = radius;
+            } else if samples.has_strata() {
+                let radius = samples.radius(tree.representative(node, 0.0));
+                let (r, arriving) = tree.distance_and_illuminance(node, *falloff, centre);
+                least[lane] =
+                    if radius > 0.0 { LEAST / 3.0 * arriving * (radius / r).clamp(LEAST_RATIO, 1.0) } else { 0.0 };
                 radii[lane] = radius;
             }
         }

@@ -17,7 +17,7 @@ use crate::interaction::{MirroredLights, MirroredShader, ShadingPoint};
 use crate::light::{LightCut, LightSamples};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
-use crate::sampling::{hash, seed_of_position};
+use crate::sampling::{fold_seed, hash, seed_of_position};
 use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 
 /// Shadow rays from a surface without a usable mesh point, at most, fewer where it counts for less in the picture; and
@@ -44,12 +44,12 @@ pub(crate) struct ShadingBatch {
 }
 
 impl ShadingBatch {
-    /// Shades every vertex with a shadow ray to each of the light samples.
-    pub(crate) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff) {
+    /// Shades every vertex with a shadow ray to each of the light samples, or to a random point of what it stands for.
+    pub(crate) fn shade_exactly(&mut self, scene: &Scene, lights: &LightSamples, falloff: Falloff, seed: u64) {
         self.direct.clear();
         let lights = LightCut::all(lights);
         for vertex in &self.vertices {
-            let (irradiance, rays) = self.exact.irradiance(scene, &lights, falloff, vertex);
+            let (irradiance, rays) = self.exact.irradiance(scene, &lights, falloff, vertex, fold_seed(seed));
             self.direct.push(irradiance);
             self.shadow_rays += rays;
         }
@@ -104,7 +104,7 @@ impl ShadingBatch {
     /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them
     /// and stay in the list.
     fn shade_by_mesh(&mut self, context: MeshContext<'_>) {
-        let MeshContext { scene, falloff, field, marks, visibility } = context;
+        let MeshContext { scene, falloff, field, marks, visibility, .. } = context;
         let mut reader = field.reader(scene, visibility);
         let mut lights = field.lights().at(scene);
         let Self { waiting, vertices, direct, few_rays, shadow_rays, fallbacks, .. } = self;
@@ -141,7 +141,7 @@ impl ShadingBatch {
 
     #[inline(always)]
     fn shade_per_light_simd<S: Simd>(&mut self, simd: S, context: MeshContext<'_>, shading: Shading) {
-        let MeshContext { scene, falloff, field, marks, visibility } = context;
+        let MeshContext { scene, falloff, field, marks, visibility, .. } = context;
         let mut reader = field.reader(scene, visibility);
         let clusters = field.lights().has_clusters();
         let (all, mut cut) = (LightCut::all(scene.lights()), field.lights().at(scene));
@@ -195,7 +195,7 @@ impl ShadingBatch {
                     }
                     let lights = if by_cut { &cut } else { &all };
                     let (sum, rays) = if reading == LightsReading::Known {
-                        exact.irradiance(scene, lights, falloff, vertex)
+                        exact.irradiance(scene, lights, falloff, vertex, context.seed)
                     } else {
                         *fallbacks += 1;
                         let seed = shaded(hash(FALLBACK_RAYS)).seed;
@@ -246,6 +246,8 @@ struct MeshContext<'a> {
     field: &'a DirectField,
     marks: &'a Marks,
     visibility: CornerVisibility,
+    /// For rays that do not come from a plan.
+    seed: u32,
 }
 
 /// The direct mesh, and what shading by it needs.
@@ -277,7 +279,8 @@ impl DirectLighting<'_, '_> {
         let mut seconds = ShadingSeconds::default();
         match shading {
             Shading::Exact => {
-                batches.par_iter_mut().for_each(|batch| batch.shade_exactly(scene, scene.lights(), falloff))
+                let seed = self.options.seed;
+                batches.par_iter_mut().for_each(|batch| batch.shade_exactly(scene, scene.lights(), falloff, seed));
             }
             Shading::PerLight { .. } | Shading::Unbiased { .. } => {
                 if self.field.lights().has_clusters() {
@@ -303,7 +306,8 @@ impl DirectLighting<'_, '_> {
         // Demand and shade are one loop: what can be read is shaded, the rest waits for the fill.
         loop {
             let started = Instant::now();
-            let context = MeshContext { scene, falloff, field: self.field, marks: self.marks, visibility };
+            let seed = fold_seed(self.options.seed);
+            let context = MeshContext { scene, falloff, field: self.field, marks: self.marks, visibility, seed };
             batches.par_iter_mut().for_each(|batch| match shading {
                 Shading::Exact => {}
                 Shading::MeanVisibility => batch.shade_by_mesh(context),

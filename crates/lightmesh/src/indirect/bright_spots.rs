@@ -121,6 +121,15 @@ impl BrightSpot {
         }
     }
 
+    /// Returns a ray from `x` to the middle of the spot, which ends before it; `None` where the way is by a mirror.
+    pub(super) fn ray_from(&self, x: Vec3) -> Option<Ray> {
+        let (to, before) = match self.shape {
+            SpotShape::Plane { foot, .. } => (foot, 0.01),
+            SpotShape::Ball { center, radius } => (center, 1.01 * radius / x.distance(center)),
+        };
+        self.mirror.is_none().then(|| Ray { t_max: (1.0 - before).max(0.0), ..Ray::segment(x, to) })
+    }
+
     /// A unit direction from `x` to the spot, by u in [0, 1)²; `None` where the lamp's ray does not meet the plane.
     pub(super) fn sample(&self, x: Vec3, u: Vec2) -> Option<Vec3> {
         match self.shape {

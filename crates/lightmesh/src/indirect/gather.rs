@@ -220,7 +220,7 @@ impl GatherRays {
                 path = passed;
             } else {
                 // Add emission that no light sample stands for.
-                if surface.illuminating != Vec3::ZERO && (mirrored || scene.is_unsampled(hit.target)) {
+                if surface.illuminating != Vec3::ZERO && (mirrored || scene.is_unsampled(&hit, surface.position)) {
                     self.emitted.push((id, beta * surface.illuminating));
                 }
 

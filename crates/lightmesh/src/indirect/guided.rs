@@ -12,6 +12,8 @@ use glam::{Vec2, Vec3};
 
 use super::bright_spots::{BrightSpot, BrightSpots};
 use super::gather::GatherRays;
+use crate::geometry::Ray;
+use crate::interaction::{VisibilityScratch, visibility};
 use crate::sampling::{hash, unit_f32};
 use crate::{RenderOptions, Scene};
 
@@ -103,6 +105,19 @@ impl GuidedRays {
         // Stable: equal spots keep their order.
         guides.sort_by(|a, b| (b.irradiance * b.even_noise).total_cmp(&(a.irradiance * a.even_noise)));
         guides.truncate(MOST_SPOTS);
+        // Leave hidden ones to even rays; the expectation is the same with any spots.
+        let ways: Vec<Option<Ray>> = guides.iter().map(|guide| guide.spot.ray_from(x)).collect();
+        let rays: Vec<Ray> = ways.iter().flatten().copied().collect();
+        let (mut visible, mut scratch) = (Vec::new(), VisibilityScratch::default());
+        visibility(scene, &rays, &mut scratch, &mut visible);
+        let (mut way, mut seen) = (ways.iter(), visible.iter());
+        guides.retain(|_| match way.next() {
+            Some(Some(_)) => seen.next().is_none_or(|&v| v != Vec3::ZERO),
+            _ => true,
+        });
+        if guides.is_empty() {
+            return guided;
+        }
 
         // Estimate all light, and give the spots rays by their parts of it.
         let mixture = Mixture { x, even: density, guides: &guides };

@@ -146,8 +146,10 @@ impl RayBlock {
             let surface = evaluate_footprint(scene, &from.path.ray, from.path.cone, hit);
             let beta = from.beta * surface.opacity;
             if first {
-                self.emitter_seen
-                    .push((from.pixel, surface.illuminating != Vec3::ZERO && !scene.is_unsampled(hit.target)));
+                self.emitter_seen.push((
+                    from.pixel,
+                    surface.illuminating != Vec3::ZERO && !scene.is_unsampled(&hit, surface.position),
+                ));
             }
             if surface.emission != Vec3::ZERO {
                 let radiance = beta * surface.emission;

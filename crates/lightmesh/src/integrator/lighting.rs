@@ -81,7 +81,7 @@ fn shade_exactly(context: LightingContext<'_>, blocks: &mut [&mut PointBlock], s
     blocks.par_iter_mut().for_each(|block| {
         if !reporter.cancelled() {
             let falloff = options.transport.falloff;
-            block.batch.shade_exactly(scene, scene.emitters().all(), falloff);
+            block.batch.shade_exactly(scene, scene.emitters().all(), falloff, options.seed);
             block.batch.add_mirrored(scene, falloff, CornerVisibility::All);
         }
         block.report(reporter);

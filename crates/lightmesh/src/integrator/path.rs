@@ -358,7 +358,7 @@ impl<'a> PathTracer<'a> {
             sum += self.emitters.sphere_lights(scene, falloff, point, sampler);
         } else {
             let lights = LightCut::all(&scene.emitters().punctual);
-            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, point);
+            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, point, 0);
             self.rays.shadow += rays;
             sum += irradiance;
         }
@@ -376,7 +376,7 @@ impl<'a> PathTracer<'a> {
     /// The part of a surface's emission that counts at the end of a ray.
     fn emission(&self, ray: &Ray, hit: &Hit, surface: &ShadedHit, origin: RayOrigin) -> Vec3 {
         let area = &self.scene.emitters().area;
-        let light = || area.pdf(self.scene.data(), hit.target);
+        let light = || area.pdf(self.scene.data(), hit, surface.position);
         match origin {
             RayOrigin::Camera | RayOrigin::CameraMirror => surface.emission,
             RayOrigin::Specular => surface.illuminating,

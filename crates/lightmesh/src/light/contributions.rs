@@ -7,6 +7,10 @@ use glam::Vec3;
 use super::samples::{LANES, LightSamples, for_each_block, sum};
 use crate::Falloff;
 
+/// The least contribution of a stratum that may shine on a surface, in units of its light there if both faced each
+/// other, times its radius over its distance. Empirical, not varied.
+const LEAST: f32 = 0.1;
+
 /// The surface point of a sum, and the attenuation of its lights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
@@ -140,6 +144,42 @@ impl LightTerms {
                 terms.contributions[i] = raised;
             }
             terms.contribution += more;
+        }
+    }
+
+    /// Raises the contributions of lights whose strata may shine on a surface of normal n although their middle does
+    /// not: some must be expected wherever light may arrive, or sampling in proportion to it would have a bias.
+    #[inline(always)]
+    pub(crate) fn raise_strata<S: Simd>(&mut self, simd: S, n: Vec3, lights: &LightSamples) {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let load = |array: &[f32; LANES]| f32x16::load_array_ref(simd, array);
+        let first_spots = lights.blocks.len() - lights.spots.len();
+        let first_patches = first_spots - lights.patches.len();
+        let slots = self.blocks.iter_mut().zip(&lights.blocks).zip(&lights.reaches);
+        for (index, ((terms, block), reaches)) in slots.enumerate() {
+            // How far each light is, in metres or of unit directions, and how large in comparison.
+            let [x, y, z] = terms.directions.each_ref().map(load);
+            let (radius, spread) = (load(&reaches.radius), load(&reaches.spread));
+            let mut r2 = (x * x + y * y + z * z).max(radius * radius * 0.25);
+            let mut ahead = one;
+            if let Some(spots) = index.checked_sub(first_spots).map(|k| &lights.spots[k]) {
+                r2 = load(&spots.w).simd_gt(zero).select(r2, one);
+            }
+            let r = r2.max(f32x16::splat(simd, f32::MIN_POSITIVE)).sqrt();
+            let ratio = radius / r;
+            if let Some(patch) = index.checked_sub(first_patches).and_then(|k| lights.patches.get(k)) {
+                let cos = -(x * load(&patch.ax) + y * load(&patch.ay) + z * load(&patch.az)) / r;
+                ahead = cos.max(cos * load(&patch.back)) + spread + ratio;
+            }
+            // Not below the surface, nor behind the emitter.
+            let above = x * n.x + y * n.y + z * n.z + radius;
+            let strength = (load(&block.r) + load(&block.g) + load(&block.b)) * (LEAST / 3.0);
+            let least = (ratio + spread).min(one) / (r * r) * strength;
+            let least = (above.min(ahead)).simd_gt(zero).select(least, zero);
+            let contributions = load(&terms.contributions);
+            let raised = least.max(contributions);
+            terms.contribution += sum(raised - contributions);
+            raised.store_array(&mut terms.contributions);
         }
     }
 

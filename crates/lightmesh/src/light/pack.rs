@@ -30,6 +30,8 @@ impl LightSamples {
         self.spots.clear();
         self.count = 0;
         self.last_lanes = 0;
+        self.strata.clear();
+        self.reaches.clear();
     }
 
     /// Adds a light and returns its lane. Isotropic ones come first, then patches, then the others.

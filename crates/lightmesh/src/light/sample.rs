@@ -116,7 +116,7 @@ impl RangeWindow {
 }
 
 impl SampledLight {
-    pub(super) fn of(sample: &LightSample) -> Self {
+    pub(crate) fn of(sample: &LightSample) -> Self {
         match *sample {
             LightSample::Patch(patch) => Self {
                 position: patch.position,

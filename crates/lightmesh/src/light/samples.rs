@@ -23,7 +23,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16};
 use glam::Vec3;
 
-use super::sample::{LightSample, MIN_R2, SampledLight};
+use super::sample::{LightEmission, LightSample, MIN_R2, SampledLight};
+use super::stratum::{LaneStratum, Stratum};
 use crate::Falloff;
 use crate::geometry::Ray;
 
@@ -87,6 +88,26 @@ pub(crate) struct LightSamples {
     pub(crate) count: usize,
     /// Lanes of the last block that have a light.
     pub(crate) last_lanes: usize,
+    /// By lane; nothing where all lights are points or directions.
+    pub(super) strata: Vec<LaneStratum>,
+    /// By block; nothing where all lights are points or directions.
+    pub(super) reaches: Vec<ReachLanes>,
+}
+
+/// How far the strata of the lights of a block reach: see [`Reach`](super::stratum::Reach).
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(crate) struct ReachLanes {
+    pub(super) radius: [f32; LANES],
+    pub(super) spread: [f32; LANES],
+}
+
+/// Returns the shadow ray from a point to a light.
+pub(crate) fn shadow_ray_to(light: &SampledLight, from: Vec3) -> Ray {
+    match light.emission {
+        LightEmission::Directional => Ray::new(from, light.position),
+        _ => Ray { t_max: SEGMENT_END, ..Ray::segment(from, light.position) },
+    }
 }
 
 /// d and f of the module's table for each lane of some blocks.
@@ -101,14 +122,49 @@ pub(crate) struct Directions {
 impl LightSamples {
     /// Packs the samples that shine: isotropic points first, then patches, then the others.
     pub(crate) fn new(samples: &[LightSample]) -> Self {
-        let mut lights: Vec<SampledLight> = samples.iter().map(SampledLight::of).collect();
-        lights.retain(|light| light.intensity != Vec3::ZERO);
-        lights.sort_by_key(|light| light.emission.order());
+        let samples: Vec<_> = samples.iter().map(|&sample| (sample, LaneStratum::default())).collect();
+        Self::of_strata(&samples)
+    }
+
+    /// [`LightSamples::new`] with the strata that samples stand for.
+    pub(crate) fn of_strata(samples: &[(LightSample, LaneStratum)]) -> Self {
+        let mut lights: Vec<_> = samples.iter().map(|(sample, stratum)| (SampledLight::of(sample), *stratum)).collect();
+        lights.retain(|(light, _)| light.intensity != Vec3::ZERO);
+        lights.sort_by_key(|(light, _)| light.emission.order());
+        let has_strata = lights.iter().any(|(_, lane)| lane.stratum != Stratum::Point);
         let mut packed = Self::default();
-        for light in &lights {
-            packed.push(light);
+        for (light, stratum) in &lights {
+            let lane = packed.push(light);
+            if has_strata {
+                packed.strata.resize(lane + 1, LaneStratum::default());
+                packed.strata[lane] = *stratum;
+            }
+        }
+        if has_strata {
+            packed.strata.resize(packed.lanes(), LaneStratum::default());
+            let reaches = |block: &[LaneStratum]| ReachLanes {
+                radius: std::array::from_fn(|i| block[i].reach.radius),
+                spread: std::array::from_fn(|i| block[i].reach.spread),
+            };
+            packed.reaches = packed.strata.chunks_exact(LANES).map(reaches).collect();
         }
         packed
+    }
+
+    /// Whether any light stands for more than a point or a direction.
+    pub(crate) fn has_strata(&self) -> bool {
+        !self.strata.is_empty()
+    }
+
+    /// Returns what a lane's light stands for.
+    #[inline(always)]
+    pub(crate) fn stratum(&self, lane: usize) -> Stratum {
+        self.strata.get(lane).map_or(Stratum::Point, |lane| lane.stratum)
+    }
+
+    /// Returns how far from its light, and in which other directions than it, a lane's stratum reaches.
+    pub(crate) fn radius(&self, lane: usize) -> f32 {
+        self.strata.get(lane).map_or(0.0, |lane| lane.reach.radius)
     }
 
     /// How many lights there are.
@@ -133,12 +189,17 @@ impl LightSamples {
         let target = Vec3::new(block.x[i], block.y[i], block.z[i]);
         if self.is_directional(lane) {
             Ray::new(from, target)
+        } else if let Stratum::Bulb(_) = self.stratum(lane) {
+            // It ends where the lamp's own surface begins.
+            let ray = Ray::segment(from, target);
+            let free = 1.0 - self.radius(lane) / ray.direction.length().max(f32::MIN_POSITIVE);
+            Ray { t_max: (free * SEGMENT_END).max(0.0), ..ray }
         } else {
             Ray { t_max: SEGMENT_END, ..Ray::segment(from, target) }
         }
     }
 
-    fn is_directional(&self, lane: usize) -> bool {
+    pub(super) fn is_directional(&self, lane: usize) -> bool {
         let plain = self.blocks.len() - self.spots.len();
         (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }

@@ -6,9 +6,9 @@ use glam::{Mat3, Vec3};
 use super::background::Background;
 use super::sheets::sheets;
 use crate::Error;
-use crate::bvh::{SceneBvh, Target, flattened_meshes};
+use crate::bvh::{Hit, SceneBvh, flattened_meshes};
 use crate::geometry::{Aabb, Ray};
-use crate::light::{Emitters, LightSamples, PlaneMirror, plane_mirrors};
+use crate::light::{Emitters, LightSamples, PlaneMirror, SampledLight, plane_mirrors};
 use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
 
 /// Pairs of a lamp and a plane mirror, at most.
@@ -92,7 +92,7 @@ impl Scene {
         let opaque: Vec<bool> = data.materials.iter().map(is_opaque).collect();
         // Sample the emitters, and shrink the images.
         let emitter_options = *emitters;
-        let emitters = Emitters::new(&data, &bvh.bounds(), &emitter_options)?;
+        let emitters = Emitters::new(&data, &bvh, &emitter_options)?;
         let mirrors = plane_mirrors(&data);
         let mirrored_lights = mirrored(&data.lights, &mirrors);
         let mipmaps = build_mipmaps(&data);
@@ -125,7 +125,7 @@ impl Scene {
     pub(crate) fn relit(mut self, change: impl FnOnce(&mut SceneData)) -> Result<Self, Error> {
         change(&mut self.data);
         validate::check(&mut self.data)?;
-        self.emitters = Emitters::new(&self.data, &self.bvh.bounds(), &self.emitter_options)?;
+        self.emitters = Emitters::new(&self.data, &self.bvh, &self.emitter_options)?;
         self.mirrored_lights = mirrored(&self.data.lights, &self.mirrors);
         Ok(self)
     }
@@ -255,9 +255,14 @@ impl Scene {
         !self.emitters.area.is_dark() || self.emitters.environment.is_some()
     }
 
-    /// Whether a surface's emission is not sampled, but left to gather rays.
-    pub(crate) fn is_unsampled(&self, target: Target) -> bool {
-        !self.emitters.area.is_sampled(target)
+    /// Whether the emission of what was hit at a position is not sampled, but left to gather rays.
+    pub(crate) fn is_unsampled(&self, hit: &Hit, position: Vec3) -> bool {
+        !self.emitters.area.is_sampled(&self.data, hit, position)
+    }
+
+    /// Returns a random point of what a lane of some of its lights stands for: see [`Emitters::random_point`].
+    pub(crate) fn random_light(&self, lights: &LightSamples, lane: usize, at: Vec3, seed: u32) -> Option<SampledLight> {
+        self.emitters.random_point(&self.data, lights, lane, at, seed)
     }
 
     /// Whether gather rays find emission that light samples do not stand for: that of weak emitters and of user-defined

@@ -40,6 +40,8 @@ impl PerLightShader {
         let (mut sum, _) = terms.evaluate(simd, lights, &shaded.receiver(), &estimate.certain);
         if let Some(clusters) = clusters {
             terms.raise_to_least(shaded.vertex.n, clusters.least, clusters.radii);
+        } else if lights.has_strata() {
+            terms.raise_strata(simd, shaded.vertex.n, lights);
         }
         let blocks = terms.blocks();
 

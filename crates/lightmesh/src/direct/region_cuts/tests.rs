@@ -179,7 +179,7 @@ fn table_of_errors() {
             let lengths = lights.cuts.values().map(|cut| cut.len()).sum::<usize>() / lights.cuts.len();
             eprintln!("{name} | {error} | {:.3}% | {:.2}% | {lengths}", 100.0 * rms, 100.0 * largest);
             assert!(rms <= error, "{name}: {rms} {error}");
-            assert!(largest <= 8.0 * error, "{name}: {largest} {error}");
+            assert!(largest <= 10.0 * error, "{name}: {largest} {error}");
         }
     }
 }

@@ -1,29 +1,38 @@
-//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the patches that
-//! represent them.
+//! Area lights: which surfaces they are, random points on them in proportion to the emitted light, and the strata that
+//! light samples stand for.
+//!
+//! A light is an emissive mesh, once for each of its instances, or an emissive sphere. It is divided into *pieces*,
+//! sub-triangles down to texels of its picture ([`Pieces`]), and these are gathered into *strata* of about the same
+//! flux ([`stratify`]). A stratum has a representative, a flat patch in its middle, and random points. Pieces that are
+//! no brighter than what they light are *weak*: gather rays find their emission (`surroundings.rs`).
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::super::sample::{LightSample, Patch};
-use super::primitive::{EmissivePrimitive, emission_of};
-use super::{luminance, radical_inverse};
-use crate::bvh::Target;
-use crate::scene::{Material, SceneData};
-
-/// An emitter is weak if its mean luminance is at most this many times that of the scene's walls, if these were white
-/// and reflected all light once. It is then about as bright as a well-lit wall, and gather rays find its light. A box
-/// that glows all over has 1; the bound is a choice, not measured.
-const WEAK_TIMES_WALL: f64 = 4.0;
+use super::super::sample::{LightEmission, LightSample, Patch, SampledLight};
+use super::super::stratum::{LaneStratum, Reach, Stratum};
+use super::bulb::{Bulb, bulb};
+use super::pieces::{Pieces, Surface};
+use super::primitive::{Primitive, Source, emission_of, piece_of_sphere};
+use super::strata::{Count, Item, stratify};
+use super::subdivision;
+use crate::bvh::{Hit, Target};
+use crate::sampling::{hash, seed_of_position};
+use crate::scene::{Light, Material, SceneData};
 
 /// All emissive meshes and spheres.
 #[derive(Debug, Default)]
 pub(crate) struct AreaLights {
     lights: Vec<AreaLight>,
-    primitives: Vec<EmissivePrimitive>,
-    /// Luminous flux of all primitives up to and with each, in units of the whole: ends with 1.
+    pieces: Pieces,
+    /// The pieces, light by light, in each light stratum by stratum.
+    order: Vec<u32>,
+    /// By place in the order: luminance times area of all pieces up to and with it, cd.
     cdf: Vec<f64>,
+    /// Places in the order.
+    strata: Vec<Range<u32>>,
+    bulbs: Vec<Bulb>,
     /// The index of the light of each instance and sphere; `NONE` for those that do not shine.
     light_of_instance: Vec<u32>,
     light_of_sphere: Vec<u32>,
@@ -31,20 +40,33 @@ pub(crate) struct AreaLights {
 
 const NONE: u32 = u32::MAX;
 
-/// How an emitter's light is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum EmitterClass {
-    /// By shadow rays to its samples.
-    Sampled,
-    /// By gather rays that hit it.
-    Weak,
-}
-
 #[derive(Clone, Debug)]
 struct AreaLight {
-    primitives: Range<usize>,
-    material: usize,
-    is_weak: bool,
+    surface: Surface,
+    /// The number of its first primitive among those of all lights.
+    first_primitive: u32,
+    /// Its pieces, which are its places in the order, too.
+    pieces: Range<u32>,
+    /// Pieces up to this luminance are left to gather rays, cd/m².
+    weak_below: f32,
+}
+
+/// How a light is to be divided into strata.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arrangement {
+    /// Strata of what is not weak, and of what is.
+    pub strata: [u32; 2],
+    /// Pieces up to this luminance are weak, cd/m².
+    pub weak_below: f32,
+    /// Whether the light is small for what it lights, so that a point may stand for it if it shines every way.
+    pub is_small: bool,
+}
+
+/// The strata of one light, and patches that represent them.
+#[derive(Debug, Default)]
+pub(super) struct LightStrata {
+    pub sampled: Vec<(LightSample, LaneStratum)>,
+    pub weak: Vec<(LightSample, LaneStratum)>,
 }
 
 /// A random point on an area light.
@@ -62,105 +84,104 @@ pub(crate) struct AreaPoint {
     pub pdf: f32,
 }
 
+/// In a stratum whose mean normal is shorter than this, no side is the front.
+const ONE_FRONT: f32 = 0.35;
+
+/// The strata of a light whose pieces face in different directions are at most so many times as many as wanted.
+const MOST_STRATA: u32 = 4;
+
 impl AreaLights {
-    /// The area lights of a checked scene in which other emitters give `other_flux` lumen.
-    pub(crate) fn new(data: &SceneData, other_flux: f64) -> Self {
+    /// The area lights of a checked scene, not yet divided into strata.
+    pub(crate) fn new(data: &SceneData) -> Self {
         let mut lights = Self {
             light_of_instance: vec![NONE; data.instances.len()],
             light_of_sphere: vec![NONE; data.spheres.len()],
             ..Self::default()
         };
-        let shines = |m: &Material| m.emission != Vec3::ZERO && !m.unlit;
         // An emissive mesh is one light for each of its instances.
+        let shines = |m: usize| data.materials[m].emission != Vec3::ZERO && !data.materials[m].unlit;
+        let spheres = data.spheres.iter().filter(|sphere| shines(sphere.material)).count();
+        let mut surfaces = Vec::new();
         for (i, instance) in data.instances.iter().enumerate() {
             let mesh = &data.meshes[instance.mesh];
-            if !shines(&data.materials[mesh.material]) {
-                continue;
+            if shines(mesh.material) {
+                lights.light_of_instance[i] = surfaces.len() as u32;
+                let (source, primitives) = (Source::Instance(i as u32), mesh.triangles.len() as u32);
+                surfaces.push(Surface { source, material: mesh.material, primitives });
             }
-            let handedness = instance.world_from_object.matrix3.determinant().signum();
-            let world_position = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
-            let triangle = |&indices: &[u32; 3]| EmissivePrimitive::Triangle {
-                corners: indices.map(world_position),
-                indices,
-                mesh: instance.mesh as u32,
-                handedness,
-            };
-            lights.light_of_instance[i] = lights.add(mesh.triangles.iter().map(triangle), mesh.material);
         }
         for (i, sphere) in data.spheres.iter().enumerate() {
-            if shines(&data.materials[sphere.material]) {
-                lights.light_of_sphere[i] =
-                    lights.add([EmissivePrimitive::Sphere(i as u32)].into_iter(), sphere.material);
+            if shines(sphere.material) {
+                lights.light_of_sphere[i] = surfaces.len() as u32;
+                let rows = Surface::sphere_rows(data, &data.materials[sphere.material], spheres);
+                let source = Source::Sphere { index: i as u32, rows };
+                surfaces.push(Surface { source, material: sphere.material, primitives: 1 });
             }
         }
-        lights.measure(data, other_flux);
+        if surfaces.is_empty() {
+            return lights;
+        }
+        // Divide them into pieces.
+        lights.pieces = Pieces::new(data, &surfaces);
+        let mut first_primitive = 0;
+        for surface in surfaces {
+            let end = first_primitive + surface.primitives;
+            let first = &lights.pieces.first;
+            let pieces = first[first_primitive as usize]..first[end as usize];
+            lights.lights.push(AreaLight { surface, first_primitive, pieces, weak_below: 0.0 });
+            first_primitive = end;
+        }
+        lights.order = (0..lights.pieces.cells.len() as u32).collect();
+        lights.sum();
         lights
     }
 
-    fn add(&mut self, primitives: impl Iterator<Item = EmissivePrimitive>, material: usize) -> u32 {
-        let first = self.primitives.len();
-        self.primitives.extend(primitives);
-        self.lights.push(AreaLight { primitives: first..self.primitives.len(), material, is_weak: false });
-        self.lights.len() as u32 - 1
-    }
-
-    /// Sums the flux, and finds out which lights are weak.
-    fn measure(&mut self, data: &SceneData, other_flux: f64) {
-        // Sum the flux of the primitives, and average each light's luminance.
+    /// Sums the flux of the pieces in their order.
+    fn sum(&mut self) {
         let mut sum = 0.0;
-        let mut means = Vec::new();
+        self.cdf.clear();
         for light in &self.lights {
-            let material = &data.materials[light.material];
-            let (mut area, before) = (0.0, sum);
-            for primitive in &self.primitives[light.primitives.clone()] {
-                let primitive_area = f64::from(primitive.area(data));
-                area += primitive_area;
-                sum += primitive_area * f64::from(luminance(primitive.mean_emission(data, material)));
+            for place in light.pieces.clone() {
+                let piece = self.order[place as usize];
+                sum += f64::from(self.pieces.areas[piece as usize]) * f64::from(self.pieces.luminance[piece as usize]);
                 self.cdf.push(sum);
             }
-            means.push(if area > 0.0 { (sum - before) / area } else { 0.0 });
-        }
-        if self.lights.is_empty() {
-            return;
-        }
-        // Compare each light with the scene's walls.
-        let two_sided = |light: &AreaLight| data.materials[light.material].double_sided;
-        let flux: f64 = self
-            .lights
-            .iter()
-            .map(|light| {
-                let Range { start, end } = light.primitives;
-                let share = if end > start {
-                    self.cdf[end - 1] - if start > 0 { self.cdf[start - 1] } else { 0.0 }
-                } else {
-                    0.0
-                };
-                PI * share * if two_sided(light) { 2.0 } else { 1.0 }
-            })
-            .sum();
-        let wall = (flux + other_flux) / (PI * surface_area(data));
-        for (light, mean) in self.lights.iter_mut().zip(means) {
-            light.is_weak = mean <= WEAK_TIMES_WALL * wall;
-        }
-        // Normalize the sums.
-        if sum > 0.0 {
-            self.cdf.iter_mut().for_each(|c| *c /= sum);
         }
     }
 
-    /// How many area lights there are.
+    /// How many area lights there are, dark ones too.
     pub(crate) fn len(&self) -> usize {
         self.lights.len()
     }
 
     /// Whether no light shines.
     pub(crate) fn is_dark(&self) -> bool {
-        self.cdf.last().is_none_or(|&sum| sum <= 0.0)
+        self.whole() <= 0.0
     }
 
-    /// Whether any light is weak, and so left to gather rays.
+    /// Returns luminance times area of all lights, cd.
+    fn whole(&self) -> f64 {
+        self.cdf.last().copied().unwrap_or(0.0)
+    }
+
+    /// Returns luminance times area of the pieces before a place, cd.
+    fn before(&self, place: u32) -> f64 {
+        if place > 0 { self.cdf[place as usize - 1] } else { 0.0 }
+    }
+
+    /// Returns the area of a light's pieces that are brighter than `weak_below`, m².
+    pub(super) fn bright_area(&self, light: usize, weak_below: f32) -> f32 {
+        let bright = self.lights[light].pieces.clone().filter(|&p| self.pieces.luminance[p as usize] > weak_below);
+        bright.map(|piece| f64::from(self.pieces.areas[piece as usize])).sum::<f64>() as f32
+    }
+
+    /// Whether any shining piece is weak, and so left to gather rays.
     pub(crate) fn has_weak(&self) -> bool {
-        self.lights.iter().any(|light| light.is_weak)
+        let is_weak = |light: &AreaLight, piece: u32| {
+            let l = self.pieces.luminance[piece as usize];
+            l > 0.0 && l <= light.weak_below
+        };
+        self.lights.iter().any(|light| light.weak_below > 0.0 && light.pieces.clone().any(|p| is_weak(light, p)))
     }
 
     /// Returns the light that a surface belongs to.
@@ -173,96 +194,276 @@ impl AreaLights {
         self.lights.get(index as usize)
     }
 
-    /// Whether a surface is sampled as a light, and not left to gather rays.
-    pub(crate) fn is_sampled(&self, target: Target) -> bool {
-        self.light_of(target).is_some_and(|light| !light.is_weak)
+    /// Returns the light and the piece that were hit at a position.
+    fn piece_at(&self, data: &SceneData, hit: &Hit, position: Vec3) -> Option<(&AreaLight, usize)> {
+        let light = self.light_of(hit.target)?;
+        let piece = match (hit.target, light.surface.source) {
+            (Target::Triangle { triangle, .. }, _) => {
+                let primitive = (light.first_primitive + triangle) as usize;
+                let (first, end) = (self.pieces.first[primitive] as usize, self.pieces.first[primitive + 1] as usize);
+                let w = Vec3::new(1.0 - hit.u - hit.v, hit.u, hit.v);
+                first + subdivision::find(&self.pieces.cells[first..end], w)
+            }
+            (_, Source::Sphere { index, rows }) => {
+                let direction = data.spheres[index as usize].normal(position);
+                light.pieces.start as usize + piece_of_sphere(direction, rows) as usize
+            }
+            (_, Source::Instance(_)) => return None,
+        };
+        Some((light, piece))
     }
 
-    /// Returns the patches of one class of lights: `n` each, stratified along their primitives.
-    pub(super) fn samples(&self, data: &SceneData, n: u32, class: EmitterClass) -> Vec<LightSample> {
-        let lights = self.lights.iter().filter(|light| light.is_weak == (class == EmitterClass::Weak));
-        lights.flat_map(|light| (0..n).filter_map(|i| self.patch(data, light, i, n))).collect()
+    /// Whether the emission of what was hit at a position is sampled as a light, and not left to gather rays.
+    pub(crate) fn is_sampled(&self, data: &SceneData, hit: &Hit, position: Vec3) -> bool {
+        self.piece_at(data, hit, position).is_some_and(|(light, piece)| self.pieces.luminance[piece] > light.weak_below)
     }
 
-    /// Returns the i-th of n patches: a Hammersley point of (flux along the primitives, radical inverse).
-    fn patch(&self, data: &SceneData, light: &AreaLight, i: u32, n: u32) -> Option<LightSample> {
-        let Range { start, end } = light.primitives;
-        let before = if start > 0 { self.cdf[start - 1] } else { 0.0 };
-        let whole = self.cdf[end.checked_sub(1)?] - before;
+    /// Returns the luminance of the emission of what was hit at a position, mean over its piece, cd/m².
+    pub(super) fn luminance_at(&self, data: &SceneData, hit: &Hit, position: Vec3) -> f32 {
+        self.piece_at(data, hit, position).map_or(0.0, |(_, piece)| self.pieces.luminance[piece])
+    }
+
+    /// Returns the density with which [`AreaLights::sample`] finds the point that was hit, 1/m²; 0 for surfaces that are
+    /// no lights.
+    pub(crate) fn pdf(&self, data: &SceneData, hit: &Hit, position: Vec3) -> f32 {
+        match self.piece_at(data, hit, position) {
+            Some((_, piece)) if !self.is_dark() => (f64::from(self.pieces.luminance[piece]) / self.whole()) as f32,
+            _ => 0.0,
+        }
+    }
+
+    /// Samples a point on any of the lights by u in [0, 1)²; `None` if nothing shines.
+    pub(crate) fn sample(&self, data: &SceneData, u: Vec2) -> Option<AreaPoint> {
+        self.sample_places(data, 0..self.order.len() as u32, u)
+    }
+
+    /// Samples a point of one light.
+    pub(super) fn sample_light(&self, data: &SceneData, light: usize, u: Vec2) -> Option<AreaPoint> {
+        self.sample_places(data, self.lights[light].pieces.clone(), u)
+    }
+
+    /// Returns the ball that a small lamp is for what it lights.
+    pub(super) fn bulb(&self, index: u32) -> Bulb {
+        self.bulbs[index as usize]
+    }
+
+    /// Returns a random point of a stratum as a light, by u in [0, 1)²: its light at any place has the stratum's light
+    /// there as expectation.
+    pub(crate) fn sample_stratum(&self, data: &SceneData, stratum: u32, u: Vec2) -> Option<SampledLight> {
+        let point = self.sample_places(data, self.strata[stratum as usize].clone(), u)?;
+        let emission = LightEmission::Patch {
+            normal: point.normal,
+            back: if point.two_sided { -1.0 } else { 0.0 },
+            area_over_pi: 0.0,
+        };
+        Some(SampledLight { position: point.position, intensity: point.emission / point.pdf, emission })
+    }
+
+    /// Samples a point of the pieces at some places, with its density among them.
+    fn sample_places(&self, data: &SceneData, places: Range<u32>, u: Vec2) -> Option<AreaPoint> {
+        let before = self.before(places.start);
+        let whole = self.before(places.end) - before;
         if whole <= 0.0 {
             return None;
         }
-        let u = before + whole * (f64::from(i) + 0.5) / f64::from(n);
-        let point = self.point_at(data, start..end, u, radical_inverse(i))?;
-        let area = (1.0 / (f64::from(point.pdf) / whole * f64::from(n))) as f32;
-        let patch = Patch {
-            position: point.position,
-            normal: point.normal,
-            intensity_cd: point.emission * area,
-            area,
-            two_sided: point.two_sided,
-        };
-        (patch.intensity_cd != Vec3::ZERO).then_some(LightSample::Patch(patch))
-    }
-
-    /// Returns the point at which the flux, summed from the first primitive of all, reaches `u`; `v` is its other
-    /// coordinate.
-    fn point_at(&self, data: &SceneData, range: Range<usize>, u: f64, v: f32) -> Option<AreaPoint> {
-        let index = range.start + self.cdf[range.clone()].partition_point(|&c| c <= u);
-        let primitive = self.primitives.get(index).filter(|_| index < range.end)?;
-        let before = if index > 0 { self.cdf[index - 1] } else { 0.0 };
-        let share = self.cdf[index] - before;
-        let inside = (((u - before) / share) as f32).clamp(0.0, 1.0 - f32::EPSILON);
-        let light = &self.lights[self.lights.partition_point(|light| light.primitives.end <= index)];
-        let material = &data.materials[light.material];
-        let point = primitive.point(data, Vec2::new(inside, v));
+        // Find the piece, and how far into it.
+        let target = before + whole * f64::from(u.x);
+        let cdf = &self.cdf[places.start as usize..places.end as usize];
+        let place = places.start + cdf.partition_point(|&c| c <= target) as u32;
+        let place = place.min(places.end - 1);
+        let (below, above) = (self.before(place), self.cdf[place as usize]);
+        let inside = (((target - below) / (above - below)) as f32).clamp(0.0, 1.0 - f32::EPSILON);
+        // Take a point of it.
+        let piece = self.order[place as usize];
+        let light = &self.lights[self.lights.partition_point(|light| light.pieces.end <= place)];
+        let material = self.material(data, light);
+        let point = self.primitive(data, light, piece).point(self.pieces.cells[piece as usize], Vec2::new(inside, u.y));
         Some(AreaPoint {
             position: point.position,
             normal: point.normal,
             emission: emission_of(data, material, point.uvs),
             two_sided: material.double_sided,
-            pdf: (share / f64::from(primitive.area(data))) as f32,
+            pdf: (f64::from(self.pieces.luminance[piece as usize]) / whole) as f32,
         })
     }
 
-    /// Samples a point on any of the lights by u in [0, 1)²; `None` if nothing shines.
-    pub(crate) fn sample(&self, data: &SceneData, u: Vec2) -> Option<AreaPoint> {
-        if self.is_dark() {
-            return None;
-        }
-        self.point_at(data, 0..self.primitives.len(), f64::from(u.x), u.y)
+    fn material<'a>(&self, data: &'a SceneData, light: &AreaLight) -> &'a Material {
+        &data.materials[light.surface.material]
     }
 
-    /// Returns the density with which [`AreaLights::sample`] finds a point of a surface, 1/m²; 0 for surfaces that are
-    /// no lights.
-    pub(crate) fn pdf(&self, data: &SceneData, target: Target) -> f32 {
-        let Some(light) = self.light_of(target) else { return 0.0 };
-        let index = match target {
-            Target::Triangle { triangle, .. } => light.primitives.start + triangle as usize,
-            _ => light.primitives.start,
+    fn primitive<'a>(&self, data: &'a SceneData, light: &AreaLight, piece: u32) -> Primitive<'a> {
+        let primitive = self.pieces.primitives[piece as usize] - light.first_primitive;
+        Primitive::of(data, light.surface.source, primitive)
+    }
+
+    fn area_of(&self, item: &Item) -> f32 {
+        self.pieces.areas[item.index as usize]
+    }
+
+    /// Returns the mean emission of a piece, cd/m².
+    fn emission(&self, data: &SceneData, light: &AreaLight, piece: u32) -> Vec3 {
+        let material = self.material(data, light);
+        match material.emission_texture {
+            None => material.emission,
+            Some(_) => {
+                let primitive = self.primitive(data, light, piece);
+                primitive.mean_emission(data, material, self.pieces.cells[piece as usize])
+            }
+        }
+    }
+
+    /// Divides each light into strata; what is sampled comes first. Returns them light by light.
+    pub(super) fn arrange(&mut self, data: &SceneData, arrangements: &[Arrangement]) -> Vec<LightStrata> {
+        self.strata.clear();
+        self.bulbs.clear();
+        let mut all = Vec::with_capacity(self.lights.len());
+        for (index, &Arrangement { strata: [sampled, weak], weak_below, is_small }) in arrangements.iter().enumerate() {
+            self.lights[index].weak_below = weak_below;
+            let Range { start, end } = self.lights[index].pieces;
+            let is_weak = |piece: u32| self.pieces.luminance[piece as usize] <= weak_below;
+            let shines = |piece: u32| self.pieces.luminance[piece as usize] > 0.0;
+            let lists = [
+                (start..end).filter(|&p| shines(p) && !is_weak(p)).collect::<Vec<_>>(),
+                (start..end).filter(|&p| shines(p) && is_weak(p)).collect(),
+                (start..end).filter(|&p| !shines(p)).collect(),
+            ];
+            let [bright, faint, dark] = lists;
+            let mut place = start;
+            let sampled = self.stratify(data, index, bright, sampled, is_small, &mut place);
+            let weak = self.stratify(data, index, faint, weak, false, &mut place);
+            for piece in dark {
+                self.order[place as usize] = piece;
+                place += 1;
+            }
+            all.push(LightStrata { sampled, weak });
+        }
+        self.sum();
+        all
+    }
+
+    /// Puts pieces of a light into the order, stratum by stratum, and returns these.
+    fn stratify(
+        &mut self,
+        data: &SceneData,
+        index: usize,
+        pieces: Vec<u32>,
+        wanted: u32,
+        is_small: bool,
+        place: &mut u32,
+    ) -> Vec<(LightSample, LaneStratum)> {
+        if pieces.is_empty() || wanted == 0 {
+            for piece in pieces {
+                self.order[*place as usize] = piece;
+                *place += 1;
+            }
+            return Vec::new();
+        }
+        // Sort them.
+        let light = self.lights[index].clone();
+        let two_sided = self.material(data, &light).double_sided;
+        let middle = |&piece: &u32| {
+            let point = self.primitive(data, &light, piece).middle(self.pieces.cells[piece as usize]);
+            (piece, point.position, point.normal)
         };
-        let share = self.cdf[index] - if index > 0 { self.cdf[index - 1] } else { 0.0 };
-        let area = f64::from(self.primitives[index].area(data));
-        if area > 0.0 { (share / area) as f32 } else { 0.0 }
+        let middles: Vec<_> = pieces.iter().map(middle).collect();
+        let min = middles.iter().fold(Vec3::INFINITY, |min, (_, p, _)| min.min(*p));
+        let max = middles.iter().fold(Vec3::NEG_INFINITY, |max, (_, p, _)| max.max(*p));
+        let facing = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
+        let item = |(piece, position, normal): (u32, Vec3, Vec3)| {
+            let normal = if two_sided { upper(normal) } else { normal };
+            let weight = self.pieces.areas[piece as usize] * self.pieces.luminance[piece as usize];
+            Item::of_surface(position, normal, facing, weight, piece)
+        };
+        let mut items: Vec<Item> = middles.into_iter().map(item).collect();
+        let runs = stratify(&mut items, Count { wanted, most: MOST_STRATA * wanted, facing });
+        // Represent the whole by a point, or each run by a patch.
+        let bulb = if is_small { bulb(&items, facing, &self.pieces) } else { None };
+        let mut strata = Vec::with_capacity(runs.len());
+        if let Some(bulb) = &bulb {
+            let whole =
+                items.iter().map(|item| self.emission(data, &light, item.index) * self.area_of(item)).sum::<Vec3>();
+            let sample = Light::Point { position: bulb.middle, intensity_cd: 0.25 * whole, range: None };
+            let reach = Reach { radius: bulb.reach, spread: 0.0 };
+            let stratum = Stratum::Bulb(self.bulbs.len() as u32);
+            strata.push((LightSample::Punctual(sample), LaneStratum { stratum, reach }));
+            self.bulbs.push(*bulb);
+        }
+        for run in runs.into_iter().filter(|_| bulb.is_none()) {
+            let items = &items[run.start as usize..run.end as usize];
+            if let Some((patch, reach)) = self.represent(data, &light, items, facing) {
+                let stratum = Stratum::Area(self.strata.len() as u32);
+                strata.push((LightSample::Patch(patch), LaneStratum { stratum, reach }));
+                self.strata.push(*place + run.start..*place + run.end);
+            }
+        }
+        for item in items {
+            self.order[*place as usize] = item.index;
+            *place += 1;
+        }
+        strata
+    }
+
+    /// Returns a flat patch with the light of some pieces of a light, and how far they reach.
+    fn represent(&self, data: &SceneData, light: &AreaLight, items: &[Item], facing: f32) -> Option<(Patch, Reach)> {
+        let material = self.material(data, light);
+        // Average place, normal and emission.
+        let (mut position, mut normal, mut weight) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let (mut intensity_cd, mut area) = (Vec3::ZERO, 0.0);
+        let origin = Vec3::from_slice(&items[0].at[..3]);
+        for item in items {
+            position += (Vec3::from_slice(&item.at[..3]) - origin) * item.weight;
+            normal += Vec3::from_slice(&item.at[3..]) * item.weight;
+            weight += item.weight;
+            let (piece_area, emission) = (self.area_of(item), self.emission(data, light, item.index));
+            intensity_cd += emission * piece_area;
+            area += piece_area;
+        }
+        if weight <= 0.0 || intensity_cd == Vec3::ZERO {
+            return None;
+        }
+        let (mut position, mut normal) = (origin + position / weight, normal / (weight * facing));
+        let has_front = normal.length() >= ONE_FRONT;
+        // Stay on a surface that is not flat: at any of its pieces, for those in the middle of each stratum would give
+        // too little light from the side.
+        let off = |item: &Item| (Vec3::from_slice(&item.at[..3]) - position).dot(normal).abs();
+        let is_flat = normal.length() > 0.9999 && items.iter().all(|item| off(item) < 1e-4 * facing);
+        if !is_flat {
+            let number = |item: &&Item| hash(seed_of_position(Vec3::from_slice(&item.at[..3])));
+            let any = items.iter().min_by_key(number)?;
+            (position, normal) = (Vec3::from_slice(&any.at[..3]), Vec3::from_slice(&any.at[3..]) / facing);
+        }
+        // What faces every way shines from both sides, each with half of the light.
+        let half = if has_front || material.double_sided { 1.0 } else { 0.5 };
+        let normal = normal.normalize_or(Vec3::Y);
+        let mut reach = Reach::default();
+        for item in items {
+            let (p, n) = (Vec3::from_slice(&item.at[..3]), Vec3::from_slice(&item.at[3..]) / facing);
+            reach.radius = reach.radius.max((p - position).length());
+            reach.spread = reach.spread.max((n - normal).length());
+        }
+        // The furthest piece is no point.
+        reach.radius += (2.0 * area / items.len() as f32).sqrt();
+        let patch = Patch {
+            position,
+            normal,
+            intensity_cd: intensity_cd * half,
+            area: area * half,
+            two_sided: material.double_sided || !has_front,
+        };
+        Some((patch, reach))
     }
 }
 
-/// Returns the area of all surfaces but user-defined ones, m².
-fn surface_area(data: &SceneData) -> f64 {
-    let triangles = data.instances.iter().flat_map(|instance| {
-        let mesh = &data.meshes[instance.mesh];
-        let world_position = |v: u32| instance.world_from_object.transform_point3(mesh.positions[v as usize]);
-        mesh.triangles.iter().map(move |t| {
-            let [a, b, c] = t.map(world_position);
-            f64::from(0.5 * (b - a).cross(c - a).length())
-        })
-    });
-    let spheres = data.spheres.iter().map(|s| 4.0 * PI * f64::from(s.radius).powi(2));
-    (triangles.sum::<f64>() + spheres.sum::<f64>()).max(f64::MIN_POSITIVE)
+/// Returns n or −n, so that both sides of a surface have one normal.
+fn upper(n: Vec3) -> Vec3 {
+    let first = n.to_array().into_iter().find(|c| c.abs() > 1e-3).unwrap_or(1.0);
+    if first < 0.0 { -n } else { n }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use glam::Affine3A;
 
     use super::*;
@@ -286,7 +487,10 @@ mod tests {
             materials: vec![emissive(1.0), emissive(2.0)],
             ..SceneData::default()
         };
-        let lights = AreaLights::new(&data, 0.0);
+        let mut lights = AreaLights::new(&data);
+        let arrangement = Arrangement { strata: [16, 16], weak_below: 0.0, is_small: false };
+        let strata = lights.arrange(&data, &[arrangement; 2]);
+        assert_eq!(strata.iter().map(|s| (s.sampled.len(), s.weak.len())).collect::<Vec<_>>(), [(16, 0), (16, 0)]);
         (data, lights)
     }
 
@@ -306,9 +510,25 @@ mod tests {
             let on =
                 if point.position.z > 1.0 { 2 } else { usize::from(point.position.x + 0.5 * point.position.y > 1.0) };
             counts[on] += 1;
-            assert!((lights.pdf(&data, targets[on]) / point.pdf - 1.0).abs() < 1e-4);
+            let hit = Hit { t: 1.0, u: 0.2, v: 0.3, target: targets[on] };
+            assert!((lights.pdf(&data, &hit, point.position) / point.pdf - 1.0).abs() < 1e-4);
         }
         let flux = [1.0, 3.0, 2.0 * PI];
         assert_follows(&counts, &flux);
+    }
+
+    /// The strata have all of the light, and a random point of each has the stratum's intensity as expectation: here it
+    /// is constant.
+    #[test]
+    fn strata_share_the_light() {
+        let (data, lights) = emitters();
+        let mut sum = 0.0;
+        for stratum in 0..lights.strata.len() as u32 {
+            let intensity = |u: Vec2| lights.sample_stratum(&data, stratum, u).expect("it shines").intensity.x;
+            let first = intensity(Vec2::new(0.1, 0.7));
+            assert!((intensity(Vec2::new(0.9, 0.2)) / first - 1.0).abs() < 1e-3);
+            sum += f64::from(first);
+        }
+        assert!((sum / (4.0 + 2.0 * PI) - 1.0).abs() < 1e-3, "{sum}");
     }
 }

@@ -4,9 +4,11 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::super::sample::LightSample;
+use super::super::sample::{LightEmission, LightSample, SampledLight};
+use super::super::stratum::{LaneStratum, Reach, Stratum};
+use super::luminance;
 use super::primitive::sample_sphere;
-use super::{luminance, radical_inverse};
+use super::sky_cells::{SkyCells, SkyPatch, direction_of};
 use crate::sampling::Table;
 use crate::scene::{ColorEncoding, Environment, Filter, ImageData, Light, Texture, Wrap};
 
@@ -20,6 +22,7 @@ pub(crate) struct EnvironmentLight {
     map_from_world: Quat,
     map: Option<Map>,
     mean_luminance: f64,
+    strata: Option<SkyCells>,
 }
 
 /// The importance of a map's directions.
@@ -59,6 +62,7 @@ impl EnvironmentLight {
             map_from_world: environment.world_from_map.conjugate(),
             map,
             mean_luminance,
+            strata: None,
         })
     }
 
@@ -93,31 +97,30 @@ impl EnvironmentLight {
         }
     }
 
-    /// Returns `n` directional lights that together have all of the light: Hammersley points through the table, each
-    /// with the mean light of its cell.
-    pub(super) fn samples(&self, n: u32) -> Vec<LightSample> {
-        (0..n)
-            .map(|i| {
-                let u = Vec2::new((i as f32 + 0.5) / n as f32, radical_inverse(i));
-                let SkyPatch { direction, solid_angle, texel } = match &self.map {
-                    None => SkyPatch { direction: sample_sphere(u), solid_angle: 4.0 * PI, texel: Vec3::ONE },
-                    Some(map) => map.patch(u),
-                };
-                let towards = self.environment.world_from_map * direction;
-                let illuminance_lux = texel * self.environment.radiance * (solid_angle / n as f32);
-                LightSample::Punctual(Light::Directional { direction: -towards, illuminance_lux })
-            })
-            .collect()
+    /// Divides the sky into `n` strata, and returns directional lights that represent them.
+    pub(super) fn arrange(&mut self, n: u32) -> Vec<(LightSample, LaneStratum)> {
+        const EVEN: [Vec3; 1] = [Vec3::ONE];
+        let (cells, width) = self.map.as_ref().map_or((EVEN.as_slice(), 1), |map| (map.cells.as_slice(), map.width));
+        let (strata, patches) = SkyCells::new(cells, width, n);
+        self.strata = Some(strata);
+        let light = |(i, patch): (usize, SkyPatch)| {
+            let reach = Reach { radius: patch.radius, spread: 0.0 };
+            let direction = -(self.environment.world_from_map * patch.direction);
+            let illuminance_lux = patch.illuminance * self.environment.radiance;
+            let sample = LightSample::Punctual(Light::Directional { direction, illuminance_lux });
+            (sample, LaneStratum { stratum: Stratum::Sky(i as u32), reach })
+        };
+        patches.into_iter().enumerate().map(light).collect()
     }
-}
 
-/// A direction of the sky that stands for a solid angle.
-struct SkyPatch {
-    direction: Vec3,
-    /// Steradian, if it stood for the whole sky alone.
-    solid_angle: f32,
-    /// The mean light of its cell, in texels' units.
-    texel: Vec3,
+    /// Returns a random direction of a stratum as a light, by u in [0, 1)²: its light at any place has the stratum's
+    /// light there as expectation.
+    pub(crate) fn sample_stratum(&self, stratum: u32, u: Vec2) -> Option<SampledLight> {
+        let point = self.strata.as_ref()?.sample(stratum, u);
+        let position = self.environment.world_from_map * point.direction;
+        let intensity = self.radiance(position) * point.solid_angle;
+        Some(SampledLight { position, intensity, emission: LightEmission::Directional })
+    }
 }
 
 impl Map {
@@ -145,15 +148,6 @@ impl Map {
         let weight = |(i, c): (usize, &Vec3)| luminance(*c) * sin_of_row(i / width as usize, height as usize);
         let weights: Vec<f32> = cells.iter().enumerate().map(weight).collect();
         Self { table: Table::new(width as usize, &weights), width: width as usize, cells }
-    }
-
-    /// Samples the map by u in [0, 1)².
-    fn patch(&self, u: Vec2) -> SkyPatch {
-        let uv = self.table.sample(u);
-        let (column, row) = self.table.cell(uv);
-        let sin = sin_of_row(row, self.cells.len() / self.width);
-        let solid_angle = 2.0 * PI * PI * sin / self.table.pdf(uv);
-        SkyPatch { direction: direction_of(uv), solid_angle, texel: self.cells[row * self.width + column] }
     }
 
     /// Returns the density at (u, v) per steradian: dω = 2π² sin θ du dv.
@@ -186,13 +180,6 @@ fn sin_of_row(row: usize, height: usize) -> f32 {
     libm::sinf(PI * (row as f32 + 0.5) / height as f32)
 }
 
-/// Returns the map's direction at (u, v): see [`Environment::map`].
-fn direction_of(uv: Vec2) -> Vec3 {
-    let (phi, theta) = (TAU * uv.x, PI * uv.y);
-    let sin = libm::sinf(theta);
-    Vec3::new(-libm::cosf(phi) * sin, libm::cosf(theta), -libm::sinf(phi) * sin)
-}
-
 /// Returns the (u, v) in [0, 1] of a unit direction of the map.
 fn uv_of(d: Vec3) -> Vec2 {
     let phi = libm::atan2f(-d.z, -d.x) / TAU;
@@ -201,6 +188,7 @@ fn uv_of(d: Vec3) -> Vec2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::radical_inverse;
     use super::*;
     use crate::sampling::chi_square::assert_follows;
     use crate::sampling::{hash, unit_f32};
@@ -279,7 +267,7 @@ mod tests {
     /// Irradiance from above: Σ E_i cos θ_i of the samples is ∫ L cos θ dω, whatever the sun.
     #[test]
     fn samples_bring_all_of_the_light() {
-        let sky = sky();
+        let mut sky = sky();
         let n = 400_000;
         let mut truth = Vec3::ZERO;
         for i in 0..n {
@@ -287,9 +275,9 @@ mod tests {
             truth += sky.radiance(d) * d.y.max(0.0) * (4.0 * PI / n as f32);
         }
         let sum: Vec3 = sky
-            .samples(1024)
+            .arrange(1024)
             .iter()
-            .map(|sample| match sample {
+            .map(|(sample, _)| match sample {
                 LightSample::Punctual(Light::Directional { direction, illuminance_lux }) => {
                     *illuminance_lux * (-direction.y).max(0.0)
                 }

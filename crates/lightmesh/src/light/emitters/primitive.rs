@@ -1,77 +1,140 @@
-//! The primitives of area lights, triangles and spheres: their area, their emission, and points on them.
+//! The primitives of area lights, triangles and spheres, and their pieces: area, emission, and points on them.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use super::subdivision;
+use crate::geometry::Sphere;
 use crate::scene::{ColorEncoding, Material, SceneData};
 
-/// A primitive of an emissive surface.
+/// The surface that an area light is.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum EmissivePrimitive {
+pub(super) enum Source {
+    /// A placed mesh.
+    Instance(u32),
+    /// A sphere; its pieces are `rows` bands of equal height, each of 2 `rows` parts.
+    Sphere { index: u32, rows: u32 },
+}
+
+/// A triangle in world space, or a sphere.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Primitive<'a> {
     Triangle {
-        /// World space.
         corners: [Vec3; 3],
-        /// Indices into the mesh's attributes.
-        indices: [u32; 3],
-        mesh: u32,
-        /// −1 where the instance mirrors: the front is the other side of the corners' order.
-        handedness: f32,
+        /// Unit; the front, whatever the instance mirrors.
+        normal: Vec3,
+        uvs: [[Vec2; 3]; 2],
     },
-    Sphere(u32),
+    Sphere {
+        sphere: &'a Sphere,
+        rows: u32,
+    },
 }
 
 /// A point of a primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitivePoint {
+    /// Metres.
     pub position: Vec3,
     /// Unit; the front.
     pub normal: Vec3,
     pub uvs: [Vec2; 2],
 }
 
-impl EmissivePrimitive {
-    /// Square metres.
-    pub(super) fn area(&self, data: &SceneData) -> f32 {
-        match *self {
-            Self::Triangle { corners: [a, b, c], .. } => 0.5 * (b - a).cross(c - a).length(),
-            Self::Sphere(i) => 4.0 * PI * data.spheres[i as usize].radius.powi(2),
+impl<'a> Primitive<'a> {
+    /// Returns a primitive of a surface: a triangle by its index, or the sphere.
+    pub(super) fn of(data: &'a SceneData, source: Source, index: u32) -> Self {
+        match source {
+            Source::Instance(i) => {
+                let instance = &data.instances[i as usize];
+                let mesh = &data.meshes[instance.mesh];
+                let indices = mesh.triangles[index as usize];
+                let world_from_object = instance.world_from_object;
+                let corners = indices.map(|v| world_from_object.transform_point3(mesh.positions[v as usize]));
+                let [a, b, c] = corners;
+                let handedness = world_from_object.matrix3.determinant().signum();
+                let uvs = [0, 1].map(|set| {
+                    let uvs = &mesh.uvs[set];
+                    if uvs.is_empty() { [Vec2::ZERO; 3] } else { indices.map(|v| uvs[v as usize]) }
+                });
+                Self::Triangle { corners, normal: ((b - a).cross(c - a) * handedness).normalize_or(Vec3::Y), uvs }
+            }
+            Source::Sphere { index, rows } => Self::Sphere { sphere: &data.spheres[index as usize], rows },
         }
     }
 
-    /// Samples a point by u in [0, 1)², uniformly over the area.
-    pub(super) fn point(&self, data: &SceneData, u: Vec2) -> PrimitivePoint {
-        match *self {
-            Self::Triangle { corners: [a, b, c], indices, mesh, handedness } => {
-                let w = sample_triangle(u);
-                let uvs = &data.meshes[mesh as usize].uvs;
-                let uv = |set: &[Vec2]| match set.is_empty() {
-                    true => Vec2::ZERO,
-                    false => {
-                        set[indices[0] as usize] * w.x + set[indices[1] as usize] * w.y + set[indices[2] as usize] * w.z
-                    }
-                };
-                let normal = ((b - a).cross(c - a) * handedness).normalize_or(Vec3::Y);
-                PrimitivePoint { position: a * w.x + b * w.y + c * w.z, normal, uvs: [uv(&uvs[0]), uv(&uvs[1])] }
+    /// Square metres.
+    pub(super) fn area(&self) -> f32 {
+        match self {
+            Self::Triangle { corners: [a, b, c], .. } => 0.5 * (*b - *a).cross(*c - *a).length(),
+            Self::Sphere { sphere, .. } => 4.0 * PI * sphere.radius.powi(2),
+        }
+    }
+
+    /// Returns the part of the area that a piece has.
+    pub(super) fn part(&self, cell: u32) -> f32 {
+        match self {
+            Self::Triangle { .. } => 1.0 / (1_u32 << (2 * subdivision::level(cell))) as f32,
+            Self::Sphere { rows, .. } => 1.0 / (2 * rows * rows) as f32,
+        }
+    }
+
+    /// Returns the point of a piece by u in [0, 1)², uniform over its area.
+    pub(super) fn point(&self, cell: u32, u: Vec2) -> PrimitivePoint {
+        match self {
+            Self::Triangle { .. } => {
+                let ([a, b, c], w) = (subdivision::corners(cell), sample_triangle(u));
+                self.at(a * w.x + b * w.y + c * w.z)
             }
-            Self::Sphere(i) => {
-                let sphere = &data.spheres[i as usize];
-                let normal = sample_sphere(u);
+            Self::Sphere { sphere, rows } => {
+                let corner = Vec2::new((cell / (2 * rows)) as f32, (cell % (2 * rows)) as f32);
+                let normal = sample_sphere((corner + u) / Vec2::new(*rows as f32, (2 * rows) as f32));
                 let position = sphere.center + normal * sphere.radius;
                 PrimitivePoint { position, normal, uvs: [sphere.uv(position); 2] }
             }
         }
     }
 
-    /// Returns the mean emission, from a few points; exact where there is no texture.
-    pub(super) fn mean_emission(&self, data: &SceneData, material: &Material) -> Vec3 {
+    /// Returns the middle of a piece.
+    pub(super) fn middle(&self, cell: u32) -> PrimitivePoint {
+        match self {
+            Self::Triangle { .. } => {
+                let [a, b, c] = subdivision::corners(cell);
+                self.at((a + b + c) / 3.0)
+            }
+            Self::Sphere { .. } => self.point(cell, Vec2::splat(0.5)),
+        }
+    }
+
+    /// Returns the point of a triangle with these barycentric coordinates.
+    pub(super) fn at(&self, w: Vec3) -> PrimitivePoint {
+        let Self::Triangle { corners: [a, b, c], normal, uvs } = *self else {
+            return PrimitivePoint { position: Vec3::ZERO, normal: Vec3::Y, uvs: [Vec2::ZERO; 2] };
+        };
+        let uv = |[p, q, r]: [Vec2; 3]| p * w.x + q * w.y + r * w.z;
+        PrimitivePoint { position: a * w.x + b * w.y + c * w.z, normal, uvs: [uv(uvs[0]), uv(uvs[1])] }
+    }
+
+    /// Returns the mean emission of a piece, cd/m², from sixteen points; exact where there is no texture.
+    pub(super) fn mean_emission(&self, data: &SceneData, material: &Material, cell: u32) -> Vec3 {
         if material.emission_texture.is_none() {
             return material.emission;
         }
-        const SIDE: u32 = 4;
-        let at = |i: u32| Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) / SIDE as f32;
-        let sum: Vec3 = (0..SIDE * SIDE).map(|i| emission_of(data, material, self.point(data, at(i)).uvs)).sum();
-        sum / (SIDE * SIDE) as f32
+        let emission = |point: PrimitivePoint| emission_of(data, material, point.uvs);
+        let sum: Vec3 = match self {
+            Self::Triangle { .. } => {
+                let corners = subdivision::corners(cell);
+                let quarters = |corners: [Vec3; 3]| (0..4).map(move |k| subdivision::child_corners(corners, k));
+                let parts = quarters(corners).flat_map(quarters);
+                parts.map(|[a, b, c]| emission(self.at((a + b + c) / 3.0))).sum()
+            }
+            Self::Sphere { .. } => {
+                let at = |i: u32| Vec2::new((i % 4) as f32 + 0.5, (i / 4) as f32 + 0.5) * 0.25;
+                (0..16).map(|i| emission(self.point(cell, at(i)))).sum()
+            }
+        };
+        sum / 16.0
     }
 }
 
@@ -81,6 +144,14 @@ pub(super) fn emission_of(data: &SceneData, material: &Material, uvs: [Vec2; 2])
     let texture = &data.textures[r.texture];
     let texel = texture.sample(&data.images[texture.image], r.transform.apply(uvs[r.uv_set]), ColorEncoding::Srgb);
     material.emission * texel.truncate()
+}
+
+/// Returns which piece of a sphere is in this direction from its middle.
+pub(super) fn piece_of_sphere(direction: Vec3, rows: u32) -> u32 {
+    let row = ((0.5 * (1.0 - direction.z) * rows as f32) as u32).min(rows - 1);
+    let turn = libm::atan2f(direction.y, direction.x) / TAU;
+    let turn = if turn < 0.0 { turn + 1.0 } else { turn };
+    row * 2 * rows + ((turn * (2 * rows) as f32) as u32).min(2 * rows - 1)
 }
 
 /// Samples barycentric coordinates, uniform over a triangle: (1 − √u, (1 − v) √u, v √u).

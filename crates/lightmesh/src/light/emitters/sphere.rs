@@ -10,9 +10,9 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
 
-use super::super::sample::LightSample;
-use super::radical_inverse;
-use crate::sampling::unit_f32;
+use super::super::sample::{LightSample, SampledLight};
+use super::super::stratum::{LaneStratum, Reach, Stratum};
+use crate::sampling::{hash, unit_f32};
 use crate::scene::Light;
 
 /// Samples a point of the unit ball by u in [0, 1)³: r = sin a with (2a − sin 2a)/π = u.x, and a uniform direction.
@@ -33,26 +33,71 @@ fn angle(u: f32) -> f32 {
     0.5 * (low + high)
 }
 
-/// Returns `n` evenly distributed points of equal power in place of a light; a directional light stays what it is.
-pub(super) fn samples(light: &Light, radius: f32, n: u32) -> Vec<LightSample> {
-    if matches!(light, Light::Directional { .. }) {
-        return vec![LightSample::Punctual(*light)];
+/// Parts of a ball of equal volume in the numbers of [`sample_unit_ball`], the same for all sphere lights.
+#[derive(Debug, Default)]
+pub(super) struct BallStrata {
+    boxes: Vec<[Vec3; 2]>,
+}
+
+impl BallStrata {
+    /// `n` parts: the cube of numbers is halved again and again across the longest side of what it is in the ball.
+    pub(super) fn new(n: u32) -> Self {
+        let mut boxes = Vec::with_capacity(n as usize);
+        divide(Vec3::ZERO, Vec3::ONE, n, &mut boxes);
+        Self { boxes }
     }
-    (0..n)
-        .map(|i| {
-            // Directions on a spherical Fibonacci lattice, radii by the radical inverse: neighbours differ in depth.
-            let golden = unit_f32(i.wrapping_mul(2_654_435_769));
-            let u = Vec3::new(radical_inverse(i), (i as f32 + 0.5) / n as f32, golden);
-            LightSample::Punctual(light.moved(sample_unit_ball(u) * radius).dimmed(1.0 / n as f32))
-        })
-        .collect()
+
+    /// Returns a random point of part i of a light with this radius, as a light.
+    pub(super) fn sample_light(&self, light: &Light, part: u32, radius: f32, u: Vec3) -> SampledLight {
+        let light = light.moved(self.sample(part, u) * radius).dimmed(1.0 / self.boxes.len() as f32);
+        SampledLight::of(&LightSample::Punctual(light))
+    }
+
+    /// Returns a point of the unit ball in part i by u in [0, 1)³.
+    fn sample(&self, i: u32, u: Vec3) -> Vec3 {
+        let [min, max] = self.boxes[i as usize];
+        sample_unit_ball(min + (max - min) * u)
+    }
+
+    /// Returns a light for each part, in place of one with this radius; a directional light stays what it is.
+    pub(super) fn lights(&self, index: u32, light: &Light, radius: f32) -> Vec<(LightSample, LaneStratum)> {
+        if matches!(light, Light::Directional { .. }) {
+            return vec![(LightSample::Punctual(*light), LaneStratum::default())];
+        }
+        let n = self.boxes.len() as u32;
+        let at = |i: u32| {
+            // Anywhere in the part, so that no direction sees them in rows.
+            let u = Vec3::from_array([0, 1, 2].map(|k| unit_f32(hash(3 * i + k))));
+            let sample = LightSample::Punctual(light.moved(self.sample(i, u) * radius).dimmed(1.0 / n as f32));
+            let reach = Reach { radius: 2.0 * radius, spread: 0.0 };
+            (sample, LaneStratum { stratum: Stratum::Ball { light: index, part: i }, reach })
+        };
+        (0..n).map(at).collect()
+    }
+}
+
+fn divide(min: Vec3, max: Vec3, n: u32, boxes: &mut Vec<[Vec3; 2]>) {
+    if n <= 1 {
+        boxes.push([min, max]);
+        return;
+    }
+    // Depth, height and turn of the part, in units of the radius.
+    let (size, middle) = (max - min, 0.5 * (min + max));
+    let z = 1.0 - 2.0 * middle.y;
+    let lengths = Vec3::new(1.0, 2.0, TAU * (1.0 - z * z).max(0.0).sqrt()) * size * Vec3::new(1.0, 0.8, 0.8);
+    let axis = if lengths.z >= lengths.x.max(lengths.y) { 2 } else { usize::from(lengths.y > lengths.x) };
+    let left = n / 2;
+    let (mut low, mut high) = (max, min);
+    low[axis] = min[axis] + size[axis] * (left as f32 / n as f32);
+    high[axis] = low[axis];
+    divide(min, low, left, boxes);
+    divide(high, max, n - left, boxes);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sampling::chi_square::assert_uniform;
-    use crate::sampling::hash;
 
     fn invert_ball(p: Vec3) -> Vec3 {
         let r = p.length();
@@ -82,6 +127,23 @@ mod tests {
                 rings[(r2 * 32.0).min(31.0) as usize] += 1;
             }
             assert_uniform(&rings);
+        }
+    }
+
+    /// A random part, and a random point of it, is a random point of the ball: its numbers fill 64 cells evenly.
+    #[test]
+    fn parts_fill_the_ball_evenly() {
+        for n in [1, 37, 64] {
+            let strata = BallStrata::new(n);
+            let unit = |k: u32| unit_f32(hash(k));
+            let mut cells = [0_u32; 64];
+            for i in 0..20_000 {
+                let part = (unit(4 * i) * n as f32) as u32;
+                let u = Vec3::from_array([1, 2, 3].map(|k| unit(4 * i + k)));
+                let at = (invert_ball(strata.sample(part, u)) * 4.0).min(Vec3::splat(3.0)).as_uvec3();
+                cells[(at.x * 16 + at.y * 4 + at.z) as usize] += 1;
+            }
+            assert_uniform(&cells);
         }
     }
 }

@@ -175,7 +175,8 @@ impl<'a> LevelReader<'a> {
     pub(super) fn corners(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Result<VisibleCorners, ReadResult> {
         // Look up the cell, unless it is the last vertex'.
         let stencil = trilinear(&self.level.lattice, vertex);
-        (self.missing, self.blended) = (0, false);
+        // Nothing of the last vertex stays: a cell whose corners are all refined is left early.
+        (self.missing, self.blended, self.near_occluder) = (0, false, false);
         if stencil.cell != self.cell.coordinate {
             self.enter(stencil.cell);
         }
