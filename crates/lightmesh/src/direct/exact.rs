@@ -46,11 +46,15 @@ impl ExactShader {
             }
             if lights.stratum(lane) != Stratum::Point {
                 let Some(light) = scene.random_light(lights, lane, vertex.position, seed) else { continue };
-                let (direction, f) = light.arriving(falloff, vertex.position);
-                let term = vertex.n.dot(direction) * f;
-                if term > 0.0 {
-                    self.light.push(light.intensity * term);
-                    self.rays.push(shadow_ray_to(&light, vertex.light_origin(direction)));
+                let opposite = scene.emitters().opposite_point(lights, lane, vertex.position, seed);
+                let share = if opposite.is_some() { 0.5 } else { 1.0 };
+                for light in std::iter::once(light).chain(opposite) {
+                    let (direction, f) = light.arriving(falloff, vertex.position);
+                    let term = vertex.n.dot(direction) * f;
+                    if term > 0.0 {
+                        self.light.push(light.intensity * (term * share));
+                        self.rays.push(shadow_ray_to(&light, vertex.light_origin(direction)));
+                    }
                 }
                 continue;
             }

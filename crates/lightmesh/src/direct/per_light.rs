@@ -300,7 +300,13 @@ impl PerLightShader {
                 };
                 let seed = shaded.seed ^ hash(hash(k));
                 let light = shaded.scene.random_light(samples, lane, shaded.vertex.position, seed);
-                self.queue_light(shaded, light, scale, 0.0);
+                let opposite = shaded.scene.emitters().opposite_point(samples, lane, shaded.vertex.position, seed);
+                if opposite.is_some() {
+                    self.queue_light(shaded, light, 0.5 * scale, 0.0);
+                    self.queue_light(shaded, opposite, 0.5 * scale, 0.0);
+                } else {
+                    self.queue_light(shaded, light, scale, 0.0);
+                }
                 return weight * expected;
             }
         }

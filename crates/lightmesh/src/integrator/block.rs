@@ -148,7 +148,7 @@ impl RayBlock {
             if first {
                 self.emitter_seen.push((
                     from.pixel,
-                    surface.illuminating != Vec3::ZERO && !scene.is_unsampled(&hit, surface.position),
+                    surface.illuminating != Vec3::ZERO && !scene.is_unsampled(hit, surface.position),
                 ));
             }
             if surface.emission != Vec3::ZERO {

@@ -109,6 +109,22 @@ impl Emitters {
         self.all.as_ref().unwrap_or(&self.sampled)
     }
 
+    /// Returns the point of a small ball that is opposite to [`Emitters::random_point`]'s, as seen from the position:
+    /// `None` for all other lights. The mean of both has nearly no noise where all of the ball is visible.
+    pub(crate) fn opposite_point(
+        &self,
+        lights: &LightSamples,
+        lane: usize,
+        at: Vec3,
+        seed: u32,
+    ) -> Option<SampledLight> {
+        let Stratum::Bulb(bulb) = lights.stratum(lane) else { return None };
+        let seed = hash(seed ^ hash(lane as u32));
+        let u = |k: u32| unit_f32(hash(seed.wrapping_add(k)));
+        let turned = u(1) + if u(1) < 0.5 { 0.5 } else { -0.5 };
+        Some(self.area.bulb(bulb).sample(lights.sample(lane)?, at, Vec2::new(u(0), turned)))
+    }
+
     /// Returns the k-th of `count` random directions, spread evenly, in the part of the sky that a lane's light stands for.
     pub(crate) fn sky_direction(
         &self,

@@ -60,6 +60,8 @@ pub(super) struct Surroundings {
     pub near: f32,
     /// The usual distance of surfaces, metres.
     pub usual: f32,
+    /// The same, where rays that meet nothing count as infinite.
+    pub with_open: f32,
     /// Up to this luminance emission is weak, cd/m².
     pub weak_below: f32,
 }
@@ -111,11 +113,13 @@ impl Around<'_> {
             values.get((part * values.len() as f32) as usize).copied().unwrap_or(otherwise)
         };
         let near = quantile(&mut distances, NEAR, f32::INFINITY);
+        let with_open = quantile(&mut distances, USUAL, f32::INFINITY);
         // In the open it is the ground that counts, not the rays that leave.
         distances.retain(|t| t.is_finite());
         Surroundings {
             near,
             usual: quantile(&mut distances, USUAL, f32::INFINITY),
+            with_open,
             weak_below: WEAK_TIMES_WALL * quantile(&mut walls, DARK, 0.0),
         }
     }
@@ -181,7 +185,7 @@ fn is_brighter(light: &SampledLight, own: f32) -> bool {
 impl Surroundings {
     /// Whether a light of this area is so small that a point may stand for it in the mesh.
     pub(super) fn is_small(&self, area: f32) -> bool {
-        area < POINT * self.usual * self.usual
+        area < POINT * self.with_open * self.with_open
     }
 
     /// Returns how many samples a light of an area needs, if `usual` is the number for a usual one.
