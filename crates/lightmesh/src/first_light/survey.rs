@@ -50,8 +50,9 @@ const BOUNCES: u32 = 4;
 /// room's walls lets in about so much.
 const OPEN: f32 = 1e-3;
 
-/// The part of the visible points that lamps have to light: less is a picture that is black to a twentieth.
-const LIT_BY_LAMPS: f32 = 0.05;
+/// The part of the visible points that lamps have to light, one way or another: a spot that shines on a mirror lights a
+/// patch of a wall, and is meant to.
+const LIT_BY_LAMPS: f32 = 0.005;
 /// The same where only surfaces emit. Viewers take emission for paint that glows, and a model with a few such spots is
 /// meant to be seen in light; a room lit by its emissive panel is lit everywhere.
 const LIT_BY_EMISSION: f32 = 0.25;
