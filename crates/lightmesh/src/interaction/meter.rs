@@ -45,10 +45,16 @@ impl Meter {
     pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
         let n = self.direction();
         let coordinate = self.position.abs().max_element();
-        // Look for the surface as far as the largest triangle that the scene could have may be off.
-        let reach = n * self_distance(coordinate, scene.bounds().size().max_element());
-        let ray = Ray { t_max: 1.0, ..Ray::new(self.position + reach, -2.0 * reach) };
-        let surface = scene.bvh().closest(&ray).map_or(0.0, |hit| evaluate(scene, &ray, &hit).offset);
+        // Look for the surface as far as a triangle may be off: small ones first, so that nothing far away counts, then
+        // as large as the scene could have.
+        let longest = scene.bounds().size().max_element();
+        let sizes = std::iter::successors(Some(coordinate.max(1e-4)), |&size| (size < longest).then_some(4.0 * size));
+        let find = |size: f32| {
+            let reach = n * self_distance(coordinate, size);
+            let ray = Ray { t_max: 1.0, ..Ray::new(self.position + reach, -2.0 * reach) };
+            scene.bvh().closest(&ray).map(|hit| evaluate(scene, &ray, &hit).offset)
+        };
+        let surface = sizes.into_iter().find_map(find).unwrap_or(0.0);
         let offset = self_distance(coordinate, 0.0).max(2.0 * surface);
         ShadingPoint { position: self.position, n, ng: n, offset, bulge: Vec3::ZERO, weight: Vec3::ONE, id: 0 }
     }
