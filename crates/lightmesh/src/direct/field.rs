@@ -2,6 +2,7 @@
 
 use super::encoding::{DirectEncoding, LightRuns};
 use super::region_cuts::RegionCuts;
+use super::sky_views::SkyViews;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{Costs, Interpolator, Levels, Points};
 use crate::{Error, MeshStats, RenderOptions, Scene};
@@ -13,6 +14,7 @@ pub(crate) struct DirectField {
     /// The values of the points, under the same indices.
     pub(crate) encoding: DirectEncoding,
     pub(super) lights: RegionCuts,
+    pub(super) sky: SkyViews,
     max_memory: u64,
 }
 
@@ -30,12 +32,13 @@ impl DirectField {
         let lights = RegionCuts::new(scene, levels.focus, options)?;
         let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
         let points = Points::new(levels, interpolator);
-        Ok(Self { points, encoding, lights, max_memory: options.limits.max_memory })
+        let sky = SkyViews::new(scene);
+        Ok(Self { points, encoding, lights, sky, max_memory: options.limits.max_memory })
     }
 
     /// Returns the number of points, and their memory.
     pub(crate) fn stats(&self) -> MeshStats {
-        self.points.stats(self.encoding.bytes() + self.lights.bytes())
+        self.points.stats(self.encoding.bytes() + self.lights.bytes() + self.sky.bytes())
     }
 
     /// Returns what filling points takes. The memory of runs is not in it: [`Self::check_memory_of_runs`]

@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use super::encoding::PointValues;
 use super::field::DirectField;
 use super::point_lights::PointLights;
-use super::sky_views::SkyViews;
 use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
 use crate::{Error, RayCounts, Scene};
 
@@ -41,16 +40,24 @@ impl DirectField {
 
     /// Evaluates some requested points and stores them; returns the number of shadow rays.
     fn evaluate(&mut self, scene: &Scene, requested: &[Address]) -> Result<u64, Error> {
-        // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
+        // Look at the sky from where the points are.
         let (points, encoding, lights) = (&self.points, &self.encoding, &self.lights);
+        let spacing = |address: Address| points.level(address.level).lattice.spacing();
+        let mut rays = match lights.has_clusters() {
+            true => 0,
+            false => self.sky.look_from(scene, requested.iter().map(|&a| (points.position_of(a), spacing(a)))),
+        };
+
+        // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
+        let sky = &self.sky;
         let evaluated: Vec<_> = requested
             .par_chunks(64)
             .map(|chunk| {
-                let mut sky = if lights.has_clusters() { None } else { SkyViews::new(scene) };
+                let mut sky = if lights.has_clusters() { None } else { sky.reader(scene) };
                 let mut lights = PointLights::new(scene, lights.at(scene), encoding.falloff());
                 let mut evaluate = |&address: &Address| {
                     let x = points.position_of(address);
-                    let spacing = points.level(address.level).lattice.spacing();
+                    let spacing = spacing(address);
                     let clearance = match encoding.needs_probes() {
                         true => probe(scene, x, spacing),
                         false => Some(Clearance::ALL_FREE),
@@ -72,7 +79,6 @@ impl DirectField {
         self.check_memory_of_runs(runs.len(), runs.iter().sum())?;
 
         // Store, in the order of the list: slots do not depend on the number of threads.
-        let mut rays = 0;
         for (points, shadow_rays) in evaluated {
             rays += shadow_rays;
             for EvaluatedPoint { address, clearance, values } in points {

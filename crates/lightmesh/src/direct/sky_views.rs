@@ -3,9 +3,13 @@
 //!
 //! A block is a cube of eight mesh points along each edge, at multiples of its size. It has eight places from which rays
 //! go to every part of the sky; a point takes the places that it sees itself, as walls may divide the block. What is
-//! found decides only how many rays go where: the light at a point has its own rays.
+//! found decides only how many rays go where: the light at a point has its own rays. Blocks are kept: mesh points come in the
+//! order in which surfaces read them, and many have the same block.
+
+use std::collections::{BTreeSet, HashMap};
 
 use glam::{IVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
@@ -19,104 +23,142 @@ const BLOCK: f32 = 8.0;
 /// Rays from each of the eight places to each part of the sky.
 const RAYS: u32 = 4;
 
-/// What can be seen of the sky around points of one block; buffers are kept from block to block.
-#[derive(Debug)]
-pub(super) struct SkyViews<'a> {
-    scene: &'a Scene,
-    /// The lanes of the parts of the sky, ascending.
+/// Most memory of the blocks that are kept, bytes; they are forgotten beyond it.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// A block: its coordinates, and the bits of the mesh's spacing.
+type Block = ([i32; 3], u32);
+
+/// What can be seen of the sky from blocks of space.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SkyViews {
+    /// The lanes of the parts of the sky, ascending; empty where there is none.
     lanes: Vec<u32>,
-    block: Option<(IVec3, f32)>,
-    places: Vec<Vec3>,
-    /// By place and part: what is visible of it.
-    seen: Vec<f32>,
+    /// By block, place and part: what is visible of it.
+    seen: HashMap<Block, Box<[f32]>>,
+}
+
+impl SkyViews {
+    /// No block yet.
+    pub(super) fn new(scene: &Scene) -> Self {
+        let lights = scene.lights();
+        let is_sky = |&lane: &u32| lights.has_strata() && matches!(lights.stratum(lane as usize), Stratum::Sky(_));
+        Self { lanes: (0..lights.lanes() as u32).filter(is_sky).collect(), seen: HashMap::new() }
+    }
+
+    /// Returns the memory, bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        self.seen.len() as u64 * self.block_bytes()
+    }
+
+    fn block_bytes(&self) -> u64 {
+        (self.lanes.len() * 8 * size_of::<f32>() + 64) as u64
+    }
+
+    /// Looks at the sky from the blocks of some mesh points, given by position and spacing, that are not known. Returns how
+    /// many rays that took.
+    pub(super) fn look_from(&mut self, scene: &Scene, points: impl Iterator<Item = (Vec3, f32)>) -> u64 {
+        if self.lanes.is_empty() {
+            return 0;
+        }
+        if self.bytes() > MOST_BYTES {
+            self.seen.clear();
+        }
+        let blocks: BTreeSet<Block> = points.map(|(x, spacing)| block_of(x, spacing)).collect();
+        let blocks: Vec<Block> = blocks.into_iter().filter(|block| !self.seen.contains_key(block)).collect();
+        let lanes = &self.lanes;
+        let look = |scratch: &mut Scratch, &block: &Block| (block, look(scene, lanes, block, scratch));
+        let found: Vec<_> = blocks.par_iter().map_init(Scratch::default, look).collect();
+        self.seen.extend(found);
+        blocks.len() as u64 * 8 * self.lanes.len() as u64 * u64::from(RAYS)
+    }
+
+    /// Returns a reader for one thread; `None` where there is no sky.
+    pub(super) fn reader<'a>(&'a self, scene: &'a Scene) -> Option<SkyReader<'a>> {
+        let reader = || SkyReader { views: self, scene, around: Vec::new(), scratch: Scratch::default(), rays_traced: 0 };
+        (!self.lanes.is_empty()).then(reader)
+    }
+}
+
+/// Reads what mesh points see of the sky; buffers are kept from point to point.
+#[derive(Debug)]
+pub(super) struct SkyReader<'a> {
+    views: &'a SkyViews,
+    scene: &'a Scene,
     /// By part: the mean over the places that a point sees.
     around: Vec<f32>,
-    rays: Vec<Ray>,
-    visible: Vec<Vec3>,
-    shadow: VisibilityScratch,
+    scratch: Scratch,
     rays_traced: u64,
 }
 
-impl<'a> SkyViews<'a> {
-    /// No block yet; `None` where there is no sky.
-    pub(super) fn new(scene: &'a Scene) -> Option<Self> {
-        let lights = scene.lights();
-        if !lights.has_strata() {
-            return None;
-        }
-        let is_sky = |&lane: &u32| matches!(lights.stratum(lane as usize), Stratum::Sky(_));
-        let lanes: Vec<u32> = (0..lights.lanes() as u32).filter(is_sky).collect();
-        (!lanes.is_empty()).then(|| Self {
-            scene,
-            lanes,
-            block: None,
-            places: Vec::new(),
-            seen: Vec::new(),
-            around: Vec::new(),
-            rays: Vec::new(),
-            visible: Vec::new(),
-            shadow: VisibilityScratch::default(),
-            rays_traced: 0,
-        })
-    }
-
+impl SkyReader<'_> {
     /// Returns how many rays have been traced so far.
     pub(super) fn rays(&self) -> u64 {
         self.rays_traced
     }
 
     /// Returns the part in [0, 1] that is visible of each part of the sky, by lane ascending, around a point of a mesh of
-    /// this spacing; a half where that is unknown.
+    /// this spacing; a half where that is unknown. Its block must have been looked from.
     pub(super) fn around(&mut self, x: Vec3, spacing: f32) -> &[f32] {
-        let edge = BLOCK * spacing;
-        let block = (x / edge).floor().as_ivec3();
-        if self.block != Some((block, spacing)) {
-            self.block = Some((block, spacing));
-            self.look(block.as_vec3() * edge, edge);
-        }
         // Find the places that the point sees.
-        self.rays.clear();
-        self.rays.extend(self.places.iter().map(|&place| Ray::segment(x, place)));
-        self.trace();
+        let (block, count) = (block_of(x, spacing), self.views.lanes.len());
+        let Scratch { rays, visible, shadow } = &mut self.scratch;
+        rays.clear();
+        rays.extend(places(block).map(|place| Ray::segment(x, place)));
+        visibility(self.scene, rays, shadow, visible);
+        self.rays_traced += rays.len() as u64;
+
+        // Take the mean over them.
         self.around.clear();
-        self.around.resize(self.lanes.len(), 0.0);
-        let mut count = 0.0;
-        for (seen, &v) in self.seen.chunks_exact(self.lanes.len()).zip(&self.visible) {
+        self.around.resize(count, 0.0);
+        let mut places_seen = 0.0;
+        let seen = self.views.seen.get(&block).map_or(&[][..], |seen| seen);
+        for (seen, &v) in seen.chunks_exact(count).zip(&*visible) {
             if v != Vec3::ZERO {
-                count += 1.0;
+                places_seen += 1.0;
                 self.around.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             }
         }
-        let (scale, otherwise) = if count > 0.0 { (1.0 / count, 0.0) } else { (0.0, 0.5) };
+        let (scale, otherwise) = if places_seen > 0.0 { (1.0 / places_seen, 0.0) } else { (0.0, 0.5) };
         self.around.iter_mut().for_each(|sum| *sum = *sum * scale + otherwise);
         &self.around
     }
+}
 
-    /// Looks at the sky from the places of a block.
-    fn look(&mut self, corner: Vec3, edge: f32) {
-        let octant = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32);
-        self.places.clear();
-        // Not where mesh points are.
-        self.places.extend((0..8).map(|i| corner + (octant(i) * 0.5 + 0.263) * edge));
-        self.rays.clear();
-        for &place in &self.places {
-            let seed = hash(!seed_of_position(place));
-            for &lane in &self.lanes {
-                for k in 0..RAYS {
-                    let emitters = self.scene.emitters();
-                    let light = emitters.sky_direction(self.scene.lights(), lane as usize, k, RAYS, seed);
-                    self.rays.extend(light.map(|light| shadow_ray_to(&light, place)));
-                }
+#[derive(Debug, Default)]
+struct Scratch {
+    rays: Vec<Ray>,
+    visible: Vec<Vec3>,
+    shadow: VisibilityScratch,
+}
+
+/// Returns the block of a mesh point.
+fn block_of(x: Vec3, spacing: f32) -> Block {
+    ((x / (BLOCK * spacing)).floor().as_ivec3().to_array(), spacing.to_bits())
+}
+
+/// Returns the places of a block: not where mesh points are.
+fn places((block, spacing): Block) -> impl Iterator<Item = Vec3> {
+    let edge = BLOCK * f32::from_bits(spacing);
+    let octant = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2 & 1) as f32);
+    let corner = IVec3::from(block).as_vec3() * edge;
+    (0..8).map(move |i| corner + (octant(i) * 0.5 + 0.263) * edge)
+}
+
+/// Looks at the parts of the sky from the places of a block.
+fn look(scene: &Scene, lanes: &[u32], block: Block, scratch: &mut Scratch) -> Box<[f32]> {
+    let Scratch { rays, visible, shadow } = scratch;
+    rays.clear();
+    for place in places(block) {
+        let seed = hash(!seed_of_position(place));
+        for &lane in lanes {
+            for k in 0..RAYS {
+                let light = scene.emitters().sky_direction(scene.lights(), lane as usize, k, RAYS, seed);
+                rays.extend(light.map(|light| shadow_ray_to(&light, place)));
             }
         }
-        self.trace();
-        self.seen.clear();
-        let mean = |rays: &[Vec3]| rays.iter().sum::<Vec3>().element_sum() / (3 * RAYS) as f32;
-        self.seen.extend(self.visible.chunks_exact(RAYS as usize).map(mean));
     }
-
-    fn trace(&mut self) {
-        visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible);
-        self.rays_traced += self.rays.len() as u64;
-    }
+    visibility(scene, rays, shadow, visible);
+    let mean = |rays: &[Vec3]| rays.iter().sum::<Vec3>().element_sum() / (3 * RAYS) as f32;
+    visible.chunks_exact(RAYS as usize).map(mean).collect()
 }
