@@ -22,9 +22,11 @@ const FAR: f64 = 5.0;
 /// the mean of their pictures.
 const WHITE: f64 = 0.42;
 /// Stops between the exposure of the light and that of the picture up to which the light decides alone, and the part of
-/// the rest by which the picture changes it: a dark model stays dark, and a view into another room can be seen.
+/// the rest by which the picture changes it, to more and to less: a dark model stays dark, and a view into another room
+/// can be seen. What burns out is lost, what is dark is not.
 const KEEP: f64 = 0.5;
-const FOLLOW: f64 = 0.2;
+const MORE: f64 = 0.2;
+const LESS: f64 = 0.5;
 /// A pixel of which less is lit says nothing.
 const LEAST_PART: f32 = 0.02;
 
@@ -46,7 +48,7 @@ pub fn auto_exposure(pixels: &[Vec3]) -> f32 {
 /// The exposure of a picture whose light is known ([`DisplayData::white_cd_m2`](lightmesh::DisplayData::white_cd_m2)):
 /// a white surface in it comes to 0.42, whatever colours are in view, so that neighbouring views have nearly the same
 /// one. Where the picture itself would have another one by more than half a stop ([`auto_exposure`] without its unlit
-/// surfaces), the exposure goes a fifth of the way beyond that. [`auto_exposure`] where the light is not known.
+/// surfaces), the exposure goes a fifth of the way beyond that to more, half of it to less. [`auto_exposure`] where the light is not known.
 pub fn exposure_of(image: &Image) -> f32 {
     let unlit = &image.display.unlit;
     let stride = image.pixels.len().div_ceil(SAMPLES).max(1);
@@ -65,7 +67,8 @@ pub fn exposure_of(image: &Image) -> f32 {
         Some(white) => {
             let of_light = libm::log2(WHITE / f64::from(white));
             let away = if is_black { 0.0 } else { of_picture - of_light };
-            of_light + ((away.abs() - KEEP).max(0.0) * FOLLOW).copysign(away)
+            let follow = if away > 0.0 { MORE } else { LESS };
+            of_light + ((away.abs() - KEEP).max(0.0) * follow).copysign(away)
         }
     })
 }
@@ -190,6 +193,8 @@ mod tests {
         let of_picture = (0.18_f32 / 0.5).log2();
         assert!((of(0.5) - (of_light + 0.2 * (of_picture - of_light - 0.5))).abs() < 0.01);
         assert!((of(0.0) - of_light).abs() < 0.006);
+        let of_picture = (0.18_f32 / 400.0).log2();
+        assert!((of(400.0) - (of_light + 0.5 * (of_picture - of_light + 0.5))).abs() < 0.01);
         // A little darker, a little more: never a jump.
         let steps: Vec<f32> = (0..60).map(|i| of(60.0 * 0.9_f32.powi(i))).collect();
         assert!(steps.windows(2).all(|w| w[1] >= w[0] && w[1] - w[0] < 0.1), "{steps:?}");

@@ -75,7 +75,8 @@ impl SkyViews {
 
     /// Returns a reader for one thread; `None` where there is no sky.
     pub(super) fn reader<'a>(&'a self, scene: &'a Scene) -> Option<SkyReader<'a>> {
-        let reader = || SkyReader { views: self, scene, around: Vec::new(), scratch: Scratch::default(), rays_traced: 0 };
+        let reader =
+            || SkyReader { views: self, scene, around: Vec::new(), scratch: Scratch::default(), rays_traced: 0 };
         (!self.lanes.is_empty()).then(reader)
     }
 }
