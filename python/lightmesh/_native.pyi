@@ -269,7 +269,7 @@ class LightMesh:
         cls,
         scene: Scene,
         *,
-        cameras: Sequence[Camera | str | int] | None = None,
+        cameras: Sequence[Camera | str | int | None] | None = None,
         size: _Size | None = None,
         method: _Method = "mesh",
         spp: int | None = None,

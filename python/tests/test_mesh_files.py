@@ -18,7 +18,7 @@ PICTURE = {"size": (40, 40), "spp": 1}
 @pytest.mark.parametrize("method", ["mesh", "paper", "hybrid", "unbiased"])
 def test_a_mesh_from_a_file_renders_the_same_picture(cornell: Scene, scenes: Path, tmp_path: Path, method: str) -> None:
     path = tmp_path / "a.safetensors"
-    mesh = LightMesh(cornell, method=method, **OPTIONS)
+    mesh = LightMesh(cornell, cameras=[None], method=method, **OPTIONS)
     image = cornell.render(mesh=mesh, **PICTURE)
     mesh.save(path)
     # As if in another process: the file knows the settings.
@@ -27,6 +27,9 @@ def test_a_mesh_from_a_file_renders_the_same_picture(cornell: Scene, scenes: Pat
     assert loaded.stats["direct"]["points_used"] == mesh.stats["direct"]["points_used"] > 0
     again = scene.render(mesh=loaded, **PICTURE)
     assert numpy.array_equal(image, again)
+    # Points that were only probed are not in the file.
+    for part in ("direct", "indirect"):
+        assert again.stats["mesh"][part].pop("bytes") <= image.stats["mesh"][part].pop("bytes")
     assert again.stats["method"] == method and again.stats["mesh"] == image.stats["mesh"]
     if method != "unbiased":
         assert image.stats["rays"]["gather"] > again.stats["rays"]["gather"] == 0

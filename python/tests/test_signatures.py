@@ -15,7 +15,7 @@ from lightmesh import LightMesh, OptionError, Scene
 from lightmesh._native import _options
 
 #: What Python has beside the options.
-OWN = {"self", "camera", "mesh", "progress"}
+OWN = {"self", "camera", "cameras", "mesh", "progress"}
 
 
 def defaults(function: object) -> dict[str, object]:
@@ -34,8 +34,8 @@ def same(python: object, rust: str | None) -> bool:
 def test_signatures_have_the_options_and_defaults_of_the_table() -> None:
     table = {option["name"]: option["default"] for option in _options()}
     render, mesh = defaults(Scene.render), defaults(LightMesh)
-    assert set(render) == set(table) | (OWN - {"self"})
-    assert set(mesh) == set(table)
+    assert set(render) == set(table) | (OWN - {"self", "cameras"})
+    assert set(mesh) == set(table) | {"cameras"}
     meters = defaults(Scene.irradiance)
     assert set(render) - set(meters) == {
         "camera", "size", "aov", "cutoff", "time_limit", "error", "refine", "lod_distance"

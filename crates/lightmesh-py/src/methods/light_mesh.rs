@@ -25,7 +25,7 @@ impl PyLightMesh {
     )]
     fn new(
         scene: &Bound<'_, PyScene>,
-        cameras: Option<Vec<Bound<'_, PyAny>>>,
+        cameras: Option<Vec<Option<Bound<'_, PyAny>>>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
@@ -33,7 +33,7 @@ impl PyLightMesh {
         Self::with(scene, chosen, |LitScene { keywords, built }| {
             let (options, built) = (keywords.mesh_options(), Arc::clone(built));
             let cameras = cameras.map(|cameras| {
-                let cameras = cameras.iter().map(|camera| scene_camera(built.scene.data(), Some(camera)));
+                let cameras = cameras.iter().map(|camera| scene_camera(built.scene.data(), camera.as_ref()));
                 cameras.collect::<PyResult<Vec<_>>>()
             });
             let cameras = cameras.transpose()?;
