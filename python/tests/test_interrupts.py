@@ -95,7 +95,7 @@ def test_an_exception_of_the_callback_ends_the_render_and_comes_out(cornell: Sce
         calls += 1
         raise Stop
 
-    mesh = LightMesh(cornell, cameras=[None], bounces=1, gather_rays=128)
+    mesh = LightMesh(cornell, cameras=[None], size=(40, 40), bounces=1, gather_rays=128)
     options = {"size": (700, 700), "spp": 64, "mesh": mesh}
     begun = time.monotonic()
     with pytest.raises(Stop):

@@ -142,7 +142,7 @@ fn a_mesh_for_cameras_is_one_mesh() {
     assert!(picture(&camera(), &mut merged) == a);
     let error = LightMesh::new(&scene, &options).expect("mesh").merge(&all).expect_err("no focus");
     assert!(error.to_string().contains("focus"), "{error}");
-    let nowhere = Focus { min: [1.0; 3], max: [f32::NAN; 3] };
+    let nowhere = Focus { min: [1.0; 3], max: [f32::NAN; 3], scale: 1.0 };
     let error = LightMesh::with_focus(&scene, &options, Some(nowhere)).expect_err("no box");
     assert!(error.to_string().contains("focus"), "{error}");
 }

@@ -55,8 +55,9 @@ fn push_points<'a>(tensors: &mut Vec<Tensor<'a>>, field: &str, points: &'a Point
     tensors.push(Tensor::new(name("lattice_origin"), &[levels, 3], Cow::Owned(origins)));
     tensors.push(Tensor::new(name("lattice_spacing"), &[levels], Cow::Owned(spacings)));
     tensors.push(Tensor::new(name("lattice_size"), &[levels, 3], Cow::Owned(sizes)));
-    if let Some(Focus { min, max }) = focus {
+    if let Some(Focus { min, max, scale }) = focus {
         tensors.push(Tensor::new(name("focus"), &[2, 3], Cow::Owned([*min, *max].concat())));
+        tensors.push(Tensor::new(name("focus_scale"), &[1], Cow::Owned(vec![*scale])));
     }
     tensors.push(Tensor::new(name("addresses"), &[n, 4], Cow::Borrowed(addresses.as_flattened())));
     tensors.push(Tensor::new(name("positions"), &[n, 3], Cow::Owned(points.positions().into_flattened())));
@@ -122,7 +123,8 @@ fn read_points(arrays: &mut ArrayReader<'_>, field: &str) -> Result<PointSnapsho
     let focus = match arrays.has(&name("focus")) {
         true => {
             let (corners, _) = arrays.read_rows::<f32, 3>(&name("focus"), Some(2))?;
-            Some(Focus { min: corners[0], max: corners[1] })
+            let scale = arrays.read(&name("focus_scale"), &Shape::of([1]))?.0[0];
+            Some(Focus { min: corners[0], max: corners[1], scale })
         }
         false => None,
     };

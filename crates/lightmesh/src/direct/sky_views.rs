@@ -160,6 +160,7 @@ fn look(scene: &Scene, lanes: &[u32], block: Block, scratch: &mut Scratch) -> Bo
         }
     }
     visibility(scene, rays, shadow, visible);
-    let mean = |rays: &[Vec3]| rays.iter().sum::<Vec3>().element_sum() / (3 * RAYS) as f32;
-    visible.chunks_exact(RAYS as usize).map(mean).collect()
+    // A pane before all of it divides nothing.
+    let part = |rays: &[Vec3]| rays.iter().filter(|&&v| v != Vec3::ZERO).count() as f32 / RAYS as f32;
+    visible.chunks_exact(RAYS as usize).map(part).collect()
 }

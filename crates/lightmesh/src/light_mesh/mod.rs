@@ -54,12 +54,13 @@ impl LightMesh {
 
     /// Makes empty meshes for pictures by these cameras: where the spacing is [`Spacing::Auto`], it is a part of the
     /// room that they see, not of the scene's box, and grows with the distance to that room. What is around it changes
-    /// nothing in it.
+    /// nothing in it. Small pictures that are mostly empty, by the size in
+    /// `options`, have larger spacings.
     ///
     /// # Errors
     /// As [`LightMesh::new`].
     pub fn for_cameras(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) -> Result<Self, Error> {
-        Self::with_focus(scene, options, views::focus(scene, cameras))
+        Self::with_focus(scene, options, views::focus(scene, options, cameras))
     }
 
     /// Makes empty meshes with the focus of another one ([`LightMesh::focus`]).
@@ -77,9 +78,7 @@ impl LightMesh {
         let levels = |option, asked: Spacing, resolved: Spacing| {
             let (bounds, reach) = (scene.bounds(), interpolator.reach());
             match focus.filter(|_| asked == Spacing::Auto) {
-                Some(focus) => {
-                    Levels::around(option, focus, &bounds, resolved.metres(focus.longest_edge()), reach, finer)
-                }
+                Some(focus) => Levels::around(option, focus, &bounds, resolved.metres(focus.scale), reach, finer),
                 // A scene may be a single point of a user's shape: any spacing will do.
                 None => {
                     let longest = bounds.size().max_element().max(1e-20);

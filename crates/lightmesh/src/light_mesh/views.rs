@@ -10,7 +10,7 @@ use crate::geometry::{Aabb, Ray};
 use crate::interaction::evaluate;
 use crate::mesh::Focus;
 use crate::sampling::{Sampler, basis, sample_cosine_hemisphere};
-use crate::{Camera, Scene};
+use crate::{Camera, RenderOptions, Scene, Spacing};
 
 /// Rays of a camera along its picture's width and height.
 const RAYS: [u32; 2] = [48, 32];
@@ -33,6 +33,18 @@ const REACH: f32 = 2.0;
 const STRAY: f32 = 0.01;
 const WHOLE: f32 = 1.3;
 
+/// What of the picture's surfaces are the nearest.
+const NEAREST: f32 = 0.25;
+
+/// Pixels between points of the direct mesh there, at least, where as many pixels are empty as show a surface; more where
+/// more are empty, in proportion to the root of their number, and fewer where fewer are. Empty pixels take no time, and a
+/// mesh of more points than the others read takes more than it saves: a box of 2 m in a picture of 160 × 120 took 38 times
+/// as long as paths with a spacing of one pixel. A picture of a room is not limited.
+const PIXELS: f32 = 3.0;
+
+/// How much larger spacings may become by it.
+const COARSEST: f32 = 4.0;
+
 /// A surface that a ray of a camera finds.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
@@ -42,9 +54,9 @@ struct Seen {
 }
 
 /// Returns where a mesh for pictures by these cameras is to be fine; `None` where they see nothing.
-pub(super) fn focus(scene: &Scene, cameras: &[Camera]) -> Option<Focus> {
+pub(super) fn focus(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) -> Option<Focus> {
     // Follow the rays of all cameras.
-    let (mut first, mut seen) = (Vec::new(), Vec::new());
+    let (mut first, mut pixels, mut seen) = (Vec::new(), Vec::new(), Vec::new());
     for camera in cameras {
         let [width, height] = RAYS;
         let rays = camera.film_in(scene.data().origin, &scene.bounds(), width, height);
@@ -52,19 +64,23 @@ pub(super) fn focus(scene: &Scene, cameras: &[Camera]) -> Option<Focus> {
             let ray = rays.ray((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5);
             let before = seen.len();
             follow(scene, ray, pixel, &mut seen);
-            first.extend(seen.get(before).map(|seen| seen.distance));
+            let Some(Seen { position, distance }) = seen.get(before) else { continue };
+            first.push(*distance);
+            pixels.push(height as f32 / options.picture.height.max(1) as f32 / rays.project(*position).1);
         }
     }
 
     // Leave out what is far behind most of the picture.
-    first.sort_by(f32::total_cmp);
-    let near = *first.get((NEAR * first.len() as f32) as usize)?;
+    let near = quantile(&mut first, NEAR)?;
     seen.retain(|seen| seen.distance <= REACH * near);
     let (mut min, mut max) = (Vec3::ZERO, Vec3::ZERO);
     for axis in 0..3 {
         (min[axis], max[axis]) = extent(seen.iter().map(|seen| seen.position[axis]).collect());
     }
-    Focus::on(&Aabb { min, max })
+    let longest = (max - min).max_element();
+    let rays = (RAYS[0] * RAYS[1]) as f32 * cameras.len() as f32;
+    let finest = PIXELS * (rays / pixels.len() as f32 - 1.0).max(0.0).sqrt() * quantile(&mut pixels, NEAREST)?;
+    Focus::on(&Aabb { min, max }, longest.max(finest * Spacing::AUTO).min(longest * COARSEST))
 }
 
 /// Follows a camera's ray through what is clear to the first surface, and on by diffuse reflections.
@@ -89,6 +105,12 @@ fn follow(scene: &Scene, ray: Ray, pixel: u32, seen: &mut Vec<Seen>) {
         let local = sample_cosine_hemisphere(sampler.next_pair());
         ray = surface.spawn_ray(t * local.x + b * local.y + surface.ng * local.z);
     }
+}
+
+/// Returns the value below which a part of the values is; `None` for none.
+fn quantile(values: &mut [f32], part: f32) -> Option<f32> {
+    values.sort_by(f32::total_cmp);
+    values.get((part * values.len() as f32) as usize).copied()
 }
 
 /// Returns the ends of the range of some positions along an axis, of which there is at least one, without strays.

@@ -13,6 +13,9 @@ pub struct Focus {
     pub min: [f32; 3],
     /// Its upper corner, metres.
     pub max: [f32; 3],
+    /// The length of which [`Spacing::Auto`](crate::Spacing::Auto) is a part, metres: the longest edge of the box, or more
+    /// where pictures are so small that they do not show that much.
+    pub scale: f32,
 }
 
 impl Focus {
@@ -20,8 +23,8 @@ impl Focus {
     pub(crate) const MOST_DOUBLINGS: u32 = 24;
 
     /// The focus on a box; `None` where [`Self::is_valid`] says no.
-    pub(crate) fn on(bounds: &Aabb) -> Option<Self> {
-        let focus = Self { min: bounds.min.to_array(), max: bounds.max.to_array() };
+    pub(crate) fn on(bounds: &Aabb, scale: f32) -> Option<Self> {
+        let focus = Self { min: bounds.min.to_array(), max: bounds.max.to_array(), scale };
         focus.is_valid().then_some(focus)
     }
 
@@ -30,7 +33,8 @@ impl Focus {
     pub(crate) fn is_valid(&self) -> bool {
         let (min, max) = (Vec3::from(self.min), Vec3::from(self.max));
         let (longest, magnitude) = (self.longest_edge(), min.abs().max(max.abs()).max_element());
-        min.cmple(max).all() && longest.is_finite() && longest > magnitude * 1e-4 && longest > 1e-18
+        let is_fine = min.cmple(max).all() && longest > magnitude * 1e-4 && longest > 1e-18;
+        is_fine && longest <= self.scale && self.scale < longest * 1e4
     }
 
     /// Its longest edge, metres.
@@ -60,7 +64,7 @@ mod tests {
     use super::*;
 
     fn focus() -> Focus {
-        Focus { min: [0.0, 0.0, 0.0], max: [8.0, 3.0, 4.0] }
+        Focus { min: [0.0, 0.0, 0.0], max: [8.0, 3.0, 4.0], scale: 8.0 }
     }
 
     /// 4 m, 8 m, 16 m … from the box.
@@ -72,9 +76,10 @@ mod tests {
 
     #[test]
     fn a_box_without_extent_is_no_focus() {
-        let on = |min: Vec3, max: Vec3| Focus::on(&Aabb { min, max }).is_some();
+        let on = |min: Vec3, max: Vec3| Focus::on(&Aabb { min, max }, (max - min).max_element()).is_some();
         assert!(on(Vec3::ZERO, Vec3::X) && on(Vec3::splat(1e3), Vec3::splat(1001.0)));
         assert!(!on(Vec3::ONE, Vec3::ONE) && !on(Vec3::splat(1e6), Vec3::splat(1e6 + 1.0)));
+        assert!(!Focus { scale: 1.0, ..focus() }.is_valid() && !Focus { scale: f32::NAN, ..focus() }.is_valid());
         assert!(!on(Vec3::INFINITY, Vec3::NEG_INFINITY) && !on(Vec3::ZERO, Vec3::splat(f32::NAN)));
     }
 }

@@ -87,7 +87,7 @@ mod tests {
     /// What is outside changes no lattice, and each level has half the spacing of the one before.
     #[test]
     fn the_scene_moves_no_point() {
-        let focus = Focus { min: [0.0; 3], max: [6.0, 3.0, 4.0] };
+        let focus = Focus { min: [0.0; 3], max: [6.0, 3.0, 4.0], scale: 6.0 };
         let finer = FinerLevels { needed: 2, most: 2 };
         let shapes = |size: f32| {
             let scene = Aabb { min: Vec3::splat(-size), max: Vec3::splat(size) };
@@ -102,7 +102,7 @@ mod tests {
     /// As far as the scene goes.
     #[test]
     fn points_beyond_the_scene_are_not_counted() {
-        let focus = Focus { min: [0.0; 3], max: [6.0, 3.0, 4.0] };
+        let focus = Focus { min: [0.0; 3], max: [6.0, 3.0, 4.0], scale: 6.0 };
         let scene = Aabb { min: Vec3::ZERO, max: Vec3::new(6.0, 3.0, 4.0) };
         let finer = FinerLevels { needed: 0, most: 0 };
         let levels = Levels::around("spacing", focus, &scene, 0.125, 1, finer).expect("small");
