@@ -2,7 +2,6 @@
 
 mod common;
 mod environment_maps;
-mod exposure;
 mod gltf_environment;
 mod gltf_files;
 mod gltf_geometry;

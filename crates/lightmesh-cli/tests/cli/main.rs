@@ -4,6 +4,7 @@ mod aov;
 mod compare;
 mod docs;
 mod environment;
+mod exposure;
 mod help;
 #[cfg(unix)]
 mod interrupt;
