@@ -107,7 +107,7 @@ fn what_is_far_away_is_coarse() {
     let shown = |size: f32| {
         let scene = Scene::new(open(size)).expect("scene");
         let options = auto(Method::MESH);
-        let mut mesh = LightMesh::for_cameras(&scene, &options, &[camera.clone()]).expect("mesh");
+        let mut mesh = LightMesh::for_cameras(&scene, &options, std::slice::from_ref(&camera)).expect("mesh");
         render(&scene, &camera, &options, &mut mesh, &()).expect("frame")
     };
     let (near, far) = (shown(12.0), shown(2000.0));
