@@ -61,6 +61,9 @@ const LIT_BY_EMISSION: f32 = 0.25;
 const DARK_BY_LAMPS: f32 = 1e-6;
 const DARK_BY_EMISSION: f32 = 1e-3;
 
+/// Samples of the light at each visible point where only surfaces emit.
+const SAMPLES: u32 = 64;
+
 /// Visible points measured at a time, and lights above which one batch is all.
 const BATCH: usize = 16;
 const MANY_LIGHTS: usize = 4096;
@@ -131,10 +134,11 @@ fn has_lamps(scene: &Scene) -> bool {
 fn is_lit(scene: &Scene, places: &[SeenPlace]) -> Result<bool, Error> {
     let (part, dark) =
         if has_lamps(scene) { (LIT_BY_LAMPS, DARK_BY_LAMPS) } else { (LIT_BY_EMISSION, DARK_BY_EMISSION) };
-    // One sample of all light at each place.
+    // Few samples find light that comes by way of a mirror: where only surfaces emit, there are more of them.
+    let samples = if has_lamps(scene) { 1 } else { SAMPLES };
     let options = RenderOptions::default().with(|o| {
         o.method = Method::Path;
-        o.picture.spp = 1;
+        o.picture.spp = samples;
         o.transport.bounces = 2;
     });
     let mut mesh = LightMesh::new(scene, &options)?;
