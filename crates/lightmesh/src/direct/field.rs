@@ -32,7 +32,7 @@ impl DirectField {
         let lights = RegionCuts::new(scene, levels.focus, options)?;
         let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
         let points = Points::new(levels, interpolator);
-        let sky = SkyViews::new(scene);
+        let sky = SkyViews::new(scene, options.limits.max_memory);
         Ok(Self { points, encoding, lights, sky, max_memory: options.limits.max_memory })
     }
 

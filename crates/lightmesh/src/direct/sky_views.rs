@@ -23,8 +23,9 @@ const BLOCK: f32 = 8.0;
 /// Rays from each of the eight places to each part of the sky.
 const RAYS: u32 = 4;
 
-/// Most memory of the blocks that are kept, bytes; they are forgotten beyond it.
+/// Most memory of the blocks that are kept, bytes, and the part of the limit that it may be; they are forgotten beyond it.
 const MOST_BYTES: u64 = 64 << 20;
+const MOST_PART: u64 = 16;
 
 /// A block: its coordinates, and the bits of the mesh's spacing.
 type Block = ([i32; 3], u32);
@@ -36,14 +37,16 @@ pub(super) struct SkyViews {
     lanes: Vec<u32>,
     /// By block, place and part: what is visible of it.
     seen: HashMap<Block, Box<[f32]>>,
+    most_bytes: u64,
 }
 
 impl SkyViews {
-    /// No block yet.
-    pub(super) fn new(scene: &Scene) -> Self {
+    /// No block yet; `max_memory` is that of the render, bytes.
+    pub(super) fn new(scene: &Scene, max_memory: u64) -> Self {
         let lights = scene.lights();
         let is_sky = |&lane: &u32| lights.has_strata() && matches!(lights.stratum(lane as usize), Stratum::Sky(_));
-        Self { lanes: (0..lights.lanes() as u32).filter(is_sky).collect(), seen: HashMap::new() }
+        let lanes = (0..lights.lanes() as u32).filter(is_sky).collect();
+        Self { lanes, seen: HashMap::new(), most_bytes: MOST_BYTES.min(max_memory / MOST_PART) }
     }
 
     /// Returns the memory, bytes.
@@ -61,7 +64,7 @@ impl SkyViews {
         if self.lanes.is_empty() {
             return 0;
         }
-        if self.bytes() > MOST_BYTES {
+        if self.bytes() > self.most_bytes {
             self.seen.clear();
         }
         let blocks: BTreeSet<Block> = points.map(|(x, spacing)| block_of(x, spacing)).collect();

@@ -15,14 +15,14 @@ use crate::{Camera, RenderOptions, Scene, Spacing};
 /// Rays of a camera along its picture's width and height.
 const RAYS: [u32; 2] = [48, 32];
 
-/// Diffuse reflections that a ray is followed for. Measured on rooms, a staircase and Sponza: with 2 the box is that of
-/// the scene within a tenth.
+/// Diffuse reflections that a ray is followed for. Measured with the reach below: the longest edge is 0.94 of the scene's
+/// in Sponza, and 0.98 to 1.00 in a staircase and eight rooms.
 const REFLECTIONS: u32 = 3;
 
 /// Surfaces that a ray may pass through.
 const PASSES: u32 = 8;
 
-/// The part of a picture that is near.
+/// The part of a picture that is near. Empirical, as is what follows.
 const NEAR: f32 = 0.8;
 
 /// What is farther away than this times that part is left out.

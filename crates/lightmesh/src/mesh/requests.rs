@@ -10,7 +10,7 @@ use crate::Error;
 /// (i mod 8) + 8 (j mod 8) + 64 (k mod 8); divisions round down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BrickMask {
-    /// The refinement level: how often the spacing has been halved.
+    /// The level of the mesh, as in [`PointSnapshot::lattices`](crate::PointSnapshot::lattices); 0 is the coarsest.
     pub level: u32,
     /// The coordinates of the brick, packed: x + 2²⁰ in bits 0 to 20, y + 2²⁰ in bits 21 to 41, z + 2²⁰ above.
     pub brick: u64,

@@ -39,8 +39,8 @@ pub(super) struct LevelReader<'a> {
     finer: Option<Box<Self>>,
 }
 
-/// Usable corners with less than this part of the weight get a ray each. Empirical: a half catches both sides of a gap
-/// between a box and a wall (a test's furnace); a ray to each, always, is the same there and takes more rays.
+/// Usable corners with less than this part of the weight get a ray each. Empirical: in a corner of two walls those outside
+/// may have three quarters, and with a half a closed box filled 5768 points outside it.
 const MINORITY: f32 = 0.76;
 
 impl<'a> LevelReader<'a> {
