@@ -102,8 +102,21 @@ impl IndirectField {
     ) {
         batch.par_iter_mut().enumerate().for_each(|(i, gather)| {
             let seed = seed_of_point(self.seed, self.points.address(first + i));
-            gather.sphere(scene, options, self.points.position(first + i), seed, directions);
+            let x = self.points.position(first + i);
+            gather.sphere(scene, options, (x, self.behind_faces(first + i)), seed, directions);
         });
+    }
+
+    /// How far the surfaces are that read each face of a point's cube, metres: they are behind the face. 0 where there
+    /// are none.
+    fn behind_faces(&self, index: usize) -> [f32; 6] {
+        // The paper's mesh knows no geometry.
+        if self.faces == CubeFaces::One {
+            return [0.0; 6];
+        }
+        let spacing = self.points.level(self.points.address(index).level).lattice.spacing();
+        let parts = self.points.clearance(index as u32).parts();
+        std::array::from_fn(|face| parts[face ^ 1].map_or(0.0, |part| part * spacing))
     }
 
     /// Sums the emission that gather rays meet, and the direct light that is reflected where they end.

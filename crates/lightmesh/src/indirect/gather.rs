@@ -9,6 +9,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Mat3, Quat, Vec2, Vec3};
 
+use super::shifted_faces::{RayEnd, ShiftedFaces};
 use crate::bvh::Hit;
 use crate::direct::{DirectLighting, ShadingBatch};
 use crate::geometry::{Cone, Ray};
@@ -39,6 +40,9 @@ pub(crate) struct GatherRays {
     /// By ray, what its random numbers are made from.
     seeds: Vec<u32>,
     first_hits: Vec<Option<Hit>>,
+    /// By ray, where it met the first surface that it did not pass through.
+    ends: Vec<RayEnd>,
+    faces: ShiftedFaces,
 }
 
 /// How rays are shot from surfaces.
@@ -104,36 +108,39 @@ impl GatherRays {
         direct.reporter.add(0, rays);
     }
 
-    /// Shoots `directions`, rotated, from a mesh point. Lobes: how much of a ray's radiance is irradiance on the cube
-    /// face of ±x, ±y, ±z that each component's sign names; scaled so that unit radiance from everywhere is exactly π
-    /// on each face.
-    pub(super) fn sphere(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
+    /// Shoots `directions`, rotated, from a mesh point at `x`, behind whose faces there are surfaces at distances
+    /// `behind`. Lobes: how much of a ray's radiance is irradiance on the cube face of ±x, ±y, ±z that each component's
+    /// sign names; scaled so that unit radiance from everywhere is exactly π on each face.
+    pub(super) fn sphere(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        (x, behind): (Vec3, [f32; 6]),
+        seed: u32,
+        directions: &[Vec3],
+    ) {
         let rotation = random_rotation(seed);
-        self.lobes.clear();
-        self.lobes.extend(directions.iter().map(|&d| rotation * d));
         self.batch.clear();
-        self.batch.extend(self.lobes.iter().map(|&d| Ray::new(x, d)));
-        let (mut positive, mut negative) = (Vec3::ZERO, Vec3::ZERO);
-        for d in &self.lobes {
-            positive += d.max(Vec3::ZERO);
-            negative -= d.min(Vec3::ZERO);
-        }
-        let (positive, negative) = (PI / positive.max(Vec3::splat(1e-6)), PI / negative.max(Vec3::splat(1e-6)));
-        for d in &mut self.lobes {
-            *d *= Vec3::select(d.cmpge(Vec3::ZERO), positive, negative);
-        }
+        self.batch.extend(directions.iter().map(|&d| Ray::new(x, rotation * d)));
         self.seed_rays(seed);
         self.trace(scene, options);
+        self.faces = ShiftedFaces::new(behind);
+        self.lobes.clear();
+        self.lobes.extend(self.batch.iter().zip(&self.ends).map(|(ray, end)| self.faces.lobe(scene, ray, end)));
+        self.faces.normalize(&mut self.lobes);
     }
 
-    /// Shoots rays from a mesh point in some directions, which are their lobes.
-    pub(super) fn towards(&mut self, scene: &Scene, options: &RenderOptions, x: Vec3, seed: u32, directions: &[Vec3]) {
-        self.lobes.clear();
-        self.lobes.extend_from_slice(directions);
+    /// Shoots rays from the mesh point of `even` rays in some directions. Lobes: as those of [`Self::sphere`], were the
+    /// density of rays one per steradian.
+    pub(super) fn towards(&mut self, scene: &Scene, options: &RenderOptions, even: &Self, directions: &[Vec3]) {
+        let Some(x) = even.origin() else { return };
         self.batch.clear();
         self.batch.extend(directions.iter().map(|&d| Ray::new(x, d)));
-        self.seed_rays(seed);
+        self.seed_rays(hash(!even.seed()));
         self.trace(scene, options);
+        let lobe = |(ray, end): (&Ray, &RayEnd)| even.faces.lobe(scene, ray, end) * even.faces.share(ray.direction);
+        self.lobes.clear();
+        self.lobes.extend(self.batch.iter().zip(&self.ends).map(lobe));
     }
 
     fn seed_rays(&mut self, seed: u32) {
@@ -196,6 +203,8 @@ impl GatherRays {
         // Follow each ray from there.
         self.emitted.clear();
         self.hits.vertices.clear();
+        self.ends.clear();
+        self.ends.resize(self.batch.len(), RayEnd::NOWHERE);
         for i in 0..self.batch.len() {
             if let Some(hit) = self.first_hits[i] {
                 self.follow(scene, options, i as u32, hit);
@@ -219,6 +228,12 @@ impl GatherRays {
                 let Some(passed) = path.pass_through(&hit) else { return };
                 path = passed;
             } else {
+                let end = &mut self.ends[id as usize];
+                if end.is_nowhere() {
+                    *end =
+                        RayEnd { distance: surface.position.distance(self.batch[id as usize].origin), n: surface.ng };
+                }
+
                 // Add emission that no light sample stands for.
                 if surface.illuminating != Vec3::ZERO && (mirrored || scene.is_unsampled(&hit, surface.position)) {
                     self.emitted.push((id, beta * surface.illuminating));

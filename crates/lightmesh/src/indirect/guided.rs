@@ -10,22 +10,28 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::bright_spots::{BrightSpot, BrightSpots};
+use super::bright_spots::{BrightSpot, BrightSpots, SpotDirections};
 use super::gather::GatherRays;
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
 use crate::sampling::{hash, unit_f32};
 use crate::{RenderOptions, Scene};
 
-/// Spots that get rays of a point, at most: the most important ones. To weigh 256 rays with twelve took a third of the
-/// fill's time.
-const MOST_SPOTS: usize = 5;
+/// Spots that get rays of a point, at most: the most important ones. Five left white blobs in a room with six lamps in
+/// cans, each of which is two spots.
+const MOST_SPOTS: usize = 12;
+
+/// Spots of which it is found out whether the point sees them, at most.
+const MOST_CANDIDATES: usize = 24;
 
 /// A spot as large as so many of the cells that even rays stand for needs no others.
 const LARGE: f32 = 0.7;
 
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
 const LEAST_NOISE: f32 = 0.1;
+
+/// Or where a single even ray that meets it brings this part of the light: a blob, however rare.
+const LEAST_BLOB: f32 = 0.3;
 
 /// A ray that brings more than so many times the mean counts as so many in the first, low guess of all light: it may
 /// have met a spot by chance.
@@ -50,15 +56,23 @@ pub(super) struct GuidedRays {
 /// A spot and how many rays it gets.
 struct Guide {
     spot: BrightSpot,
+    directions: SpotDirections,
     irradiance: f32,
     /// The noise of its light, were there only even rays, in units of its light.
     even_noise: f32,
     rays: f32,
 }
 
+impl Guide {
+    /// Whether even rays alone do not serve the spot, among so much light of all kinds.
+    fn matters_in(&self, irradiance: f32) -> bool {
+        let noise = self.irradiance * self.even_noise;
+        noise > LEAST_NOISE * irradiance || noise * self.even_noise > LEAST_BLOB * irradiance
+    }
+}
+
 /// The density per steradian of all rays of a point.
 struct Mixture<'a> {
-    x: Vec3,
     /// Of even rays.
     even: f32,
     guides: &'a [Guide],
@@ -67,7 +81,7 @@ struct Mixture<'a> {
 impl Mixture<'_> {
     #[inline]
     fn density(&self, direction: Vec3) -> f32 {
-        self.even + self.guides.iter().map(|g| g.rays * g.spot.pdf(self.x, direction)).sum::<f32>()
+        self.even + self.guides.iter().map(|g| g.rays * g.directions.pdf(direction)).sum::<f32>()
     }
 
     /// How much an even ray counts.
@@ -93,10 +107,9 @@ impl GuidedRays {
             .filter_map(|&spot| {
                 let view = spot.seen_from(x).filter(|view| view.solid_angle * density < LARGE)?;
                 let even_noise = 1.0 / (view.solid_angle * density).max(1e-6).sqrt();
-                if view.irradiance * even_noise <= LEAST_NOISE * least_light {
-                    return None;
-                }
-                Some(Guide { spot, irradiance: view.irradiance, even_noise, rays: TENTATIVE })
+                let directions = spot.directions_from(x);
+                let guide = Guide { spot, directions, irradiance: view.irradiance, even_noise, rays: TENTATIVE };
+                guide.matters_in(least_light).then_some(guide)
             })
             .collect();
         if guides.is_empty() {
@@ -104,23 +117,23 @@ impl GuidedRays {
         }
         // Stable: equal spots keep their order.
         guides.sort_by(|a, b| (b.irradiance * b.even_noise).total_cmp(&(a.irradiance * a.even_noise)));
-        guides.truncate(MOST_SPOTS);
+        guides.truncate(MOST_CANDIDATES);
         // Leave hidden ones to even rays; the expectation is the same with any spots.
-        let ways: Vec<Option<Ray>> = guides.iter().map(|guide| guide.spot.ray_from(x)).collect();
-        let rays: Vec<Ray> = ways.iter().flatten().copied().collect();
+        let rays: Vec<Ray> = guides.iter().flat_map(|guide| guide.spot.rays_from(x)).collect();
         let (mut visible, mut scratch) = (Vec::new(), VisibilityScratch::default());
         visibility(scene, &rays, &mut scratch, &mut visible);
-        let (mut way, mut seen) = (ways.iter(), visible.iter());
-        guides.retain(|_| match way.next() {
-            Some(Some(_)) => seen.next().is_none_or(|&v| v != Vec3::ZERO),
-            _ => true,
+        let mut visible = visible.iter();
+        guides.retain(|guide| {
+            let seen: Vec<_> = visible.by_ref().take(guide.spot.rays_from(x).count()).collect();
+            seen.is_empty() || seen.into_iter().any(|&v| v != Vec3::ZERO)
         });
+        guides.truncate(MOST_SPOTS);
         if guides.is_empty() {
             return guided;
         }
 
         // Estimate all light, and give the spots rays by their parts of it.
-        let mixture = Mixture { x, even: density, guides: &guides };
+        let mixture = Mixture { even: density, guides: &guides };
         let weights: Vec<f32> = even.directions().map(|direction| mixture.weight(direction)).collect();
         let emitted = even.emitted.iter().map(|&(ray, radiance)| weights[ray as usize] * radiance.max_element());
         let mut total: f32 = emitted.sum();
@@ -131,27 +144,27 @@ impl GuidedRays {
         guides.retain_mut(|guide| {
             let share = (guide.irradiance / total.max(f32::MIN_POSITIVE)).min(1.0);
             guide.rays = (RAYS * share).ceil().clamp(*RAYS_PER_SPOT.start(), *RAYS_PER_SPOT.end());
-            share * guide.even_noise > LEAST_NOISE
+            guide.matters_in(total)
         });
         if guides.is_empty() {
             return guided;
         }
 
         // Shoot them, and weigh both kinds.
-        let mixture = Mixture { x, even: density, guides: &guides };
+        let mixture = Mixture { even: density, guides: &guides };
         let mut directions = Vec::new();
         for (s, guide) in (0..).zip(&guides) {
             let seed = hash(even.seed() ^ hash(!s));
             for k in 0..guide.rays as u32 {
                 let height = (k as f32 + unit_f32(hash(seed ^ k))) / guide.rays;
                 let azimuth = unit_f32(k.wrapping_mul(2_654_435_769).wrapping_add(seed));
-                directions.extend(guide.spot.sample(x, Vec2::new(height, azimuth)));
+                directions.extend(guide.directions.sample(Vec2::new(height, azimuth)));
             }
         }
         guided.weights.extend(even.directions().map(|direction| mixture.weight(direction)));
-        guided.rays.towards(scene, options, x, hash(!even.seed()), &directions);
-        for lobe in &mut guided.rays.lobes {
-            *lobe /= mixture.density(*lobe);
+        guided.rays.towards(scene, options, even, &directions);
+        for (lobe, &direction) in guided.rays.lobes.iter_mut().zip(&directions) {
+            *lobe /= mixture.density(direction);
         }
         guided
     }

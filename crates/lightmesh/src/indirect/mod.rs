@@ -8,6 +8,8 @@ mod final_gather;
 mod gather;
 mod guided;
 mod probing;
+mod shifted_faces;
+mod spot_search;
 mod transfers;
 
 pub(crate) use bounce::POINTS_AT_ONCE;

@@ -94,7 +94,13 @@ impl LightMesh {
             true => Some(levels("indirect-spacing", options.mesh.indirect_spacing, resolved.indirect_spacing)?),
             false => None,
         };
-        let direct = levels("spacing", options.mesh.spacing, resolved.spacing)?;
+        let spacing = match resolved.spacing {
+            Spacing::Fraction(k) if options.mesh.spacing == Spacing::Auto && !options.method.is_paper() => {
+                Spacing::Fraction(k * Spacing::auto_density(scene.lights().len()))
+            }
+            spacing => spacing,
+        };
+        let direct = levels("spacing", options.mesh.spacing, spacing)?;
         Ok(Self {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,

@@ -31,6 +31,11 @@ impl Clearance {
         Self(bytes)
     }
 
+    /// Returns the distances to the surfaces by side, in spacings; `None` where there is none.
+    pub(crate) fn parts(self) -> [Option<f32>; 6] {
+        std::array::from_fn(|side| (self.0[side] != Self::FREE).then(|| (f32::from(self.0[side]) + 0.5) / 255.0))
+    }
+
     /// Returns the distances by side, from which [`Clearance::from_sides`] makes the same clearance.
     pub(crate) fn sides(self) -> [u8; 6] {
         std::array::from_fn(|side| self.0[side])

@@ -24,7 +24,7 @@ pub(crate) use lattice::{Coordinate, FinerLevels, Levels, PointBlock};
 pub use lattice::{Focus, LatticeShape};
 pub(crate) use marks::Marks;
 pub(crate) use points::{Address, Costs, Points};
-pub(crate) use probe::{PROBE_RAYS, probe};
+pub(crate) use probe::{PROBE_RAYS, probe, sees};
 pub(crate) use read_result::{CornerVisibility, ReadResult};
 pub(crate) use reader::{CachedReader, choose};
 pub use requests::{BrickMask, PointRequests};

@@ -71,6 +71,6 @@ fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
 }
 
 /// Returns whether nothing opaque stands on the open segment that is `ray`.
-pub(super) fn sees(scene: &Scene, ray: &Ray) -> bool {
+pub(crate) fn sees(scene: &Scene, ray: &Ray) -> bool {
     if scene.all_opaque() { !scene.bvh().occluded(ray) } else { !scene.bvh().any_hit(ray, |hit| is_opaque(scene, hit)) }
 }

@@ -8,8 +8,8 @@ use super::Expected;
 /// Distance between neighbouring mesh points. Spelled as metres, `1/K` or `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Spacing {
-    /// A part of a length: / 64, for the indirect mesh / 30, with a bound on the error / 45. The length is the longest edge
-    /// of the room that a picture shows ([`LightMesh::for_cameras`](crate::LightMesh::for_cameras)), or of the scene's box
+    /// A part of a length: / 64, up to / 128 where there are fewer than 15 lights; for the indirect mesh / 30, with a
+    /// bound on the error / 45. The length is the longest edge of the room that a picture shows ([`LightMesh::for_cameras`](crate::LightMesh::for_cameras)), or of the scene's box
     /// in a mesh for all of it ([`LightMesh::new`](crate::LightMesh::new)).
     #[default]
     Auto,
@@ -25,11 +25,21 @@ impl Spacing {
     /// 4.6%; what it takes goes to the indirect mesh for the most part.
     pub(crate) const AUTO: f32 = 64.0;
     pub(crate) const AUTO_INDIRECT: f32 = 30.0;
+
+    /// Where there are fewer light samples than this, the points of a finer direct mesh cost no more shadow rays.
+    const FEW_LIGHTS: f32 = 15.0;
     /// Of the indirect mesh where there is a bound on the error: gather hits read its first level, whose light is half
     /// a cell off the wall. Measured on the staircase at 5%, two refinements: bias +3.0% with 1/30, +2.6% with this.
     pub(crate) const AUTO_INDIRECT_ERROR: f32 = 45.0;
 
     pub(super) const EXPECTED: &'static str = "metres above 0, 1/K of the scene's longest edge, or auto";
+
+    /// Returns how many times finer the direct mesh is by default in a scene of so many light samples. Measured with all
+    /// light: error in the living room with five lights 11.3 instead of 9.1% without it, and in a room with six lamps in
+    /// cans 9.5 instead of 5.6%.
+    pub(crate) fn auto_density(lights: usize) -> f32 {
+        (Self::FEW_LIGHTS / lights.max(1) as f32).clamp(1.0, 2.0)
+    }
 
     /// Returns the distance in metres where the length that it is a part of is `longest`; [`Self::Auto`] must have been
     /// resolved.

@@ -238,7 +238,7 @@ impl AreaLights {
     }
 
     /// Samples a point of one light.
-    pub(super) fn sample_light(&self, data: &SceneData, light: usize, u: Vec2) -> Option<AreaPoint> {
+    pub(crate) fn sample_light(&self, data: &SceneData, light: usize, u: Vec2) -> Option<AreaPoint> {
         self.sample_places(data, self.lights[light].pieces.clone(), u)
     }
 
