@@ -25,6 +25,10 @@ const LIGHTS: usize = 128;
 const LEAST: usize = 16;
 /// Samples of the light at each place, with few lamps.
 const SAMPLES: usize = 16;
+/// Places whose indirect light is taken together.
+const NEIGHBOURS: usize = 24;
+/// Shadow rays for direct light, at most.
+const MOST_RAYS: usize = 1 << 20;
 /// The mean that the surfaces of a model have in the studio, as a part of its white, and how many stops the
 /// light may be from that before it decides: all sides of a model have one exposure, but a room that only a window
 /// lights is not dark.
@@ -53,19 +57,26 @@ pub(crate) fn white_around(scene: &Scene, camera: &Camera) -> Result<Option<f32>
 
     // Measure the light there.
     let chosen: Vec<&Look> = (0..most).map(|i| &looks[i * looks.len() / most]).collect();
-    let options = RenderOptions::default().with(|o| {
-        o.method = Method::Path;
-        o.picture.spp = (2 * LIGHTS / lights.max(1)).clamp(1, SAMPLES) as u32;
-        o.transport.bounces = 2;
-    });
     let meters: Vec<Meter> =
         chosen.iter().map(|look| Meter { position: look.place.point, normal: look.place.n }).collect();
-    let mut mesh = LightMesh::new(scene, &options)?;
-    let measured = measure(scene, &meters, &options, &mut mesh, &())?;
+    let with = |method, spp, bounces| {
+        let options = RenderOptions::default().with(|o| {
+            (o.method, o.picture.spp, o.transport.bounces) = (method, spp, bounces);
+        });
+        let mut mesh = LightMesh::new(scene, &options)?;
+        measure(scene, &meters, &options, &mut mesh, &())
+    };
+    let paths = with(Method::Path, (2 * LIGHTS / lights.max(1)).clamp(1, SAMPLES) as u32, 2)?;
+    // The root of a noisy value is too small in the mean: lamps that are not seen must not make it so. All of them have
+    // their ray, if that is affordable.
+    let affordable = scene.lights().len() * meters.len() <= MOST_RAYS;
+    let direct = if affordable { with(Method::Standard, 1, 0)?.direct } else { paths.direct };
+
+    let indirect = smoothed(&meters, &paths.indirect);
 
     // Take the mean of the roots.
     let mut sum = (0.0, 0.0);
-    for (look, (direct, indirect)) in chosen.iter().zip(measured.direct.iter().zip(&measured.indirect)) {
+    for (look, (direct, indirect)) in chosen.iter().zip(direct.iter().zip(&indirect)) {
         let white = f64::from(luminance(*direct + *indirect) / PI);
         if white.is_finite() {
             sum = (sum.0 + look.weight * white.max(0.0).sqrt(), sum.1 + look.weight);
@@ -82,6 +93,22 @@ pub(crate) fn white_around(scene: &Scene, camera: &Camera) -> Result<Option<f32>
         usual + beyond(mean - usual, KEEP)
     });
     Ok(Some(libm::exp2(mean) as f32).filter(|white| *white > 0.0 && white.is_finite()))
+}
+
+/// Returns the mean of the values at the nearest places of each place: few paths find light that comes through a small
+/// window, and indirect light is even.
+fn smoothed(places: &[Meter], values: &[Vec3]) -> Vec<Vec3> {
+    let mut near: Vec<(f32, usize)> = Vec::new();
+    let mean = |place: &Meter| {
+        near.clear();
+        near.extend(places.iter().map(|other| other.position.distance_squared(place.position)).zip(0..));
+        let count = NEIGHBOURS.min(near.len());
+        near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // In their own order, so that the sum does not depend on how they were selected.
+        near[..count].sort_unstable_by_key(|&(_, i)| i);
+        near[..count].iter().map(|&(_, i)| values[i]).sum::<Vec3>() / count as f32
+    };
+    places.iter().map(mean).collect()
 }
 
 /// What is left of `x` beyond ±`keep`.

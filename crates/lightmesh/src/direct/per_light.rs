@@ -26,6 +26,7 @@ use fearless_simd::Simd;
 use glam::Vec3;
 
 use super::region_visibility::{ClusterLight, LightCutVisibility};
+use super::visibility_estimate::VisibilityEstimate;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{ShadingPoint, VisibilityScratch, visibility};
@@ -36,8 +37,8 @@ use crate::world::Scene;
 /// Which lights get a shadow ray although the mesh has an estimate of their visibility.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SamplingPolicy {
-    /// A partial light whose ray is expected to change this part of all light (unshadowed), or more, gets a ray, and
-    /// the others together one for each such part.
+    /// A partial light whose ray is expected to change this part of all light (unshadowed, but at most
+    /// [`MOST_BLOCKED`] times what arrives), or more, gets a ray, and the others together one for each such part.
     pub step: f32,
     /// A certain light that gives this part of all light or more gets a ray: in the open, and where something stands
     /// near.
@@ -63,6 +64,9 @@ impl SamplingPolicy {
 
 /// The rays in the queue, at most, but for those of one surface.
 const RAYS: usize = 4096;
+
+/// How many times the light that arrives the unshadowed light may be, that noise is measured against.
+const MOST_BLOCKED: f32 = 8.0;
 
 /// Rays to the lights of a cluster that gives much or is very uncertain, at most. Empirical, not varied.
 const RAYS_PER_CLUSTER: f32 = 16.0;
@@ -167,7 +171,7 @@ impl PerLightShader {
             terms.raise_strata(simd, shaded.vertex.n, lights);
         }
 
-        let step = policy.step * total;
+        let step = policy.step * self.reference(&terms, estimate, sum, total);
         let always_above = policy.always_above[usize::from(estimate.near_occluder)] * total;
         // How much of the uncertain, and how much of the certain light passes until the next ray.
         let mut next_uncertain = None;
@@ -199,14 +203,17 @@ impl PerLightShader {
                 } else {
                     (estimate.certain[first_lane + i], contribution)
                 };
+                // What seems to be certain has no share in the noise, unless that is wrong.
+                let step = if is_partial { step } else { policy.step * total };
                 let mut scale = 1.0;
                 if uncertainty < step {
-                    let next = next_uncertain.get_or_insert_with(|| step * shaded.random(0));
-                    *next -= uncertainty;
+                    // In steps, so that partial and certain lights can be counted together.
+                    let next = next_uncertain.get_or_insert_with(|| shaded.random(0));
+                    *next -= uncertainty / step;
                     if *next >= 0.0 {
                         continue;
                     }
-                    *next += step;
+                    *next += 1.0;
                     scale = step / uncertainty;
                 }
                 let in_cluster = ClusterSampling::Some { rays: uncertainty / step };
@@ -248,6 +255,26 @@ impl PerLightShader {
         }
         self.terms = terms;
         sum
+    }
+
+    /// Returns the light that noise is measured against: all `unshadowed` light, but at most so many times what arrives,
+    /// of which `certain` is a part; mean over the channels. Daylight outside a closed room must not make the noise of
+    /// the lamp in it.
+    #[inline(always)]
+    fn reference(&self, terms: &LightTerms, estimate: &VisibilityEstimate, certain: Vec3, unshadowed: f32) -> f32 {
+        let mut arriving = certain.element_sum() / 3.0;
+        if unshadowed <= MOST_BLOCKED * arriving {
+            return unshadowed;
+        }
+        let mut number = 0;
+        for (block, &partial) in terms.blocks().iter().zip(estimate.partial()) {
+            for i in set_bits::<LANES>(partial) {
+                arriving += block.contributions[i] * estimate.estimate(number);
+                number += 1;
+            }
+        }
+        // Where nothing seems to arrive, there is nothing to compare with.
+        if arriving > 0.0 { unshadowed.min(MOST_BLOCKED * arriving) } else { unshadowed }
     }
 
     /// Queues a ray whose result will be weight · (V − expected) in the mean; to a cluster, rays to some of its lights

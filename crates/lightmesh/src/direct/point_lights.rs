@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::sky_views::SkyAround;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
@@ -37,8 +38,8 @@ struct SkyRay {
 }
 
 /// Rays to a part of the sky whose noise, if one ray had it, is as much as all that arrives; and the most. Empirical.
-const SKY_RAYS: f32 = 192.0;
-const SKY_RAYS_PER_PART: f32 = 64.0;
+const SKY_RAYS: f32 = 448.0;
+const SKY_RAYS_PER_PART: f32 = 128.0;
 
 /// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of
 /// it.
@@ -77,7 +78,7 @@ impl<'a> PointLights<'a> {
 
     /// Traces a shadow ray from the point at `x` to every light that shines on it, and several to parts of the sky:
     /// `around` has how much is visible of each in the neighbourhood, if there is a sky.
-    pub(super) fn trace(&mut self, x: Vec3, around: Option<&[f32]>) {
+    pub(super) fn trace(&mut self, x: Vec3, around: Option<SkyAround<'_>>) {
         self.cut.set_receiver(x, self.falloff);
         let lights = self.cut.lights();
         lights.directions(self.scene.simd_level(), self.falloff, x, &mut self.directions);
@@ -99,25 +100,26 @@ impl<'a> PointLights<'a> {
     /// Traces shadow rays to random directions in each part of the sky that shines on the point, more to parts of which
     /// something is visible and something not, by what is seen `around`. The same few directions everywhere would throw
     /// sharp pictures of a window on the walls behind it.
-    fn trace_with_sky(&mut self, x: Vec3, around: &[f32]) {
+    fn trace_with_sky(&mut self, x: Vec3, around: SkyAround<'_>) {
         // Find out how much arrives from the whole sky, and drop the rays to the middle of its parts.
         let lights = self.cut.lights();
         let is_sky = |lane: u32| matches!(lights.stratum(lane as usize), Stratum::Sky(_));
         let strength = |lane: u32| lights.intensity(lane as usize).element_sum();
         let sky_lanes = self.lanes.iter().filter(|&&lane| is_sky(lane));
-        let arriving: f32 = sky_lanes.zip(around).map(|(&lane, q)| strength(lane) * q).sum();
+        let arriving: f32 = sky_lanes.map(|&lane| strength(lane) * around.of(lane).unwrap_or(0.5)).sum();
         let mut lanes = self.lanes.iter();
         self.rays.retain(|_| lanes.next().is_some_and(|&lane| !is_sky(lane)));
 
         // Shoot as many rays to each part as its noise asks for.
         let seed = hash(seed_of_position(x));
-        let (mut parts, singles) = (around.iter(), self.rays.len());
+        let singles = self.rays.len();
         self.sky.clear();
         for (index, &lane) in self.lanes.iter().enumerate() {
             if !is_sky(lane) {
                 continue;
             }
-            let q = parts.next().copied().unwrap_or(0.5);
+            let known = around.of(lane);
+            let q = known.unwrap_or(0.5);
             let noise = strength(lane) * (q * (1.0 - q)).sqrt() / arriving.max(f32::MIN_POSITIVE);
             let count = (SKY_RAYS * noise).ceil().clamp(1.0, SKY_RAYS_PER_PART);
             for k in 0..count as u32 {
@@ -130,7 +132,7 @@ impl<'a> PointLights<'a> {
                     direction: light.position,
                     visible: Vec3::ZERO,
                 };
-                self.sky.push(SkyRay { index, light, is_mixed: q > 0.0 && q < 1.0 });
+                self.sky.push(SkyRay { index, light, is_mixed: known.is_some_and(|q| q > 0.0 && q < 1.0) });
             }
         }
         visibility(self.scene, &self.rays, &mut self.shadow, &mut self.ray_visible);

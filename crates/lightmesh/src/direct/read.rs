@@ -54,9 +54,9 @@ impl DirectField {
 }
 
 impl DirectReader<'_> {
-    /// Returns Ĩ(y), formula (3g); points that are still empty are marked.
+    /// Returns Ĩ(y), formula (3g), over the `unshadowed` irradiance at y; points that are still empty are marked.
     #[inline(always)]
-    pub(crate) fn read(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Reading {
+    pub(crate) fn read(&mut self, vertex: &ShadingPoint, unshadowed: Vec3, marks: &Marks) -> Reading {
         if let Interpolator::TrilinearWith(rule) = self.field.points.interpolator {
             return self.read_with(rule, vertex, marks);
         }
@@ -69,6 +69,7 @@ impl DirectReader<'_> {
             ArrivingLight::plus,
         );
         match light {
+            Ok(light) if matches!(encoding, DirectEncoding::SixAxis(_)) => moderate(light, unshadowed),
             Ok(light) => ratio(light),
             Err(ReadResult::Pending) => Reading::Pending,
             Err(_) => Reading::Unavailable,
@@ -111,6 +112,26 @@ fn with_missing(rule: MissingCorners, share: f32, reading: Reading) -> Reading {
         // There are corners, but no light reaches them; or points are to be filled first.
         Reading::Unavailable | Reading::Pending => reading,
     }
+}
+
+/// Returns the part of the `unshadowed` light at a surface that arrives, from the light V that arrives at mesh points and
+/// their unshadowed light U: [`ratio`] V / U where most of it arrives.
+///
+/// That is V + r (unshadowed − U), r = V / U: V, corrected by how much more light there would be at the surface than at
+/// the points. Where most light is blocked, the correction is that of light that does not arrive: sunlight outside darkened
+/// a slanted roof to a sixth inside. If the two parts are independent, r² / (r² + (1 − r)²) in place of r is right; it is
+/// less than r where r is below 1/2, and there it is taken.
+fn moderate(light: ArrivingLight, unshadowed: Vec3) -> Reading {
+    let whole = ratio(light);
+    let Reading::Visibility(r) = whole else { return whole };
+    if r.min_element() >= 0.5 {
+        return whole;
+    }
+    let weight = light.visible.w.max(f32::MIN_POSITIVE);
+    let (v, u) = (light.visible.truncate() / weight, light.unshadowed.truncate() / weight);
+    let moderated = v + r * r / (r * r + (1.0 - r) * (1.0 - r)) * (unshadowed - u);
+    let part = moderated / unshadowed.max(Vec3::splat(f32::MIN_POSITIVE));
+    Reading::Visibility(Vec3::select(r.cmplt(Vec3::splat(0.5)) & unshadowed.cmpgt(Vec3::ZERO), part, r))
 }
 
 /// Returns the part of the light that arrives.

@@ -1,6 +1,8 @@
 //! Reading the direct field light by light: the visibility of single lights, or of clusters, at the points around a
 //! surface.
 
+use glam::Vec3;
+
 use super::encoding::{DirectEncoding, LightStates, PerLight};
 use super::read::{DirectReader, Reading};
 use super::region_visibility::LightCutVisibility;
@@ -27,7 +29,7 @@ impl DirectReader<'_> {
     pub(crate) fn usable_fraction(&mut self, vertex: &ShadingPoint, marks: &Marks) -> f32 {
         let reads = match self.field.encoding {
             DirectEncoding::PerLight(_) => self.read_lights(vertex, marks) == LightsReading::Known,
-            _ => matches!(self.read(vertex, marks), Reading::Visibility(_)),
+            _ => matches!(self.read(vertex, Vec3::ONE, marks), Reading::Visibility(_)),
         };
         if reads { usable_fraction(&mut self.cached.reader, &self.field.points, vertex, marks) } else { 0.0 }
     }

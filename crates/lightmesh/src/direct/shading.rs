@@ -110,7 +110,7 @@ impl ShadingBatch {
         let Self { waiting, vertices, direct, few_rays, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
-            match reader.read(vertex, marks) {
+            match reader.read(vertex, *irradiance, marks) {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
                 // Without a usable point, trace shadow rays.
                 Reading::Unavailable => {

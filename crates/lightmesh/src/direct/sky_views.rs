@@ -101,9 +101,8 @@ impl SkyReader<'_> {
         self.rays_traced
     }
 
-    /// Returns the part in [0, 1] that is visible of each part of the sky, by lane ascending, around a point of a mesh of
-    /// this spacing; a half where that is unknown. Its block must have been looked from.
-    pub(super) fn around(&mut self, x: Vec3, spacing: f32) -> &[f32] {
+    /// Returns what is visible of the sky around a point of a mesh of this spacing. Its block must have been looked from.
+    pub(super) fn around(&mut self, x: Vec3, spacing: f32) -> SkyAround<'_> {
         // Find the places that the point sees.
         let (block, count) = (block_of(x, spacing), self.views.lanes.len());
         let Scratch { rays, visible, shadow } = &mut self.scratch;
@@ -123,9 +122,23 @@ impl SkyReader<'_> {
                 self.around.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             }
         }
-        let (scale, otherwise) = if places_seen > 0.0 { (1.0 / places_seen, 0.0) } else { (0.0, 0.5) };
-        self.around.iter_mut().for_each(|sum| *sum = *sum * scale + otherwise);
-        &self.around
+        self.around.iter_mut().for_each(|sum| *sum /= f32::max(places_seen, 1.0));
+        SkyAround { lanes: &self.views.lanes, seen: (places_seen > 0.0).then_some(&self.around) }
+    }
+}
+
+/// What is visible of the sky around a mesh point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SkyAround<'a> {
+    lanes: &'a [u32],
+    /// By lane; `None` where the point sees no place from which that is known, as in a thin layer before a wall.
+    seen: Option<&'a [f32]>,
+}
+
+impl SkyAround<'_> {
+    /// Returns the part in [0, 1] that is visible of a lane's part of the sky; `None` where that is unknown.
+    pub(super) fn of(&self, lane: u32) -> Option<f32> {
+        self.lanes.binary_search(&lane).ok().and_then(|i| self.seen.map(|seen| seen[i]))
     }
 }
 
@@ -153,17 +166,23 @@ fn places((block, spacing): Block) -> impl Iterator<Item = Vec3> {
 fn look(scene: &Scene, lanes: &[u32], block: Block, scratch: &mut Scratch) -> Box<[f32]> {
     let Scratch { rays, visible, shadow } = scratch;
     rays.clear();
-    for place in places(block) {
+    let mut owners = Vec::new();
+    for (i, place) in places(block).enumerate() {
         let seed = hash(!seed_of_position(place));
-        for &lane in lanes {
+        for (part, &lane) in lanes.iter().enumerate() {
             for k in 0..RAYS {
-                let light = scene.emitters().sky_direction(scene.lights(), lane as usize, k, RAYS, seed);
-                rays.extend(light.map(|light| shadow_ray_to(&light, place)));
+                if let Some(light) = scene.emitters().sky_direction(scene.lights(), lane as usize, k, RAYS, seed) {
+                    rays.push(shadow_ray_to(&light, place));
+                    owners.push(i * lanes.len() + part);
+                }
             }
         }
     }
     visibility(scene, rays, shadow, visible);
     // A pane before all of it divides nothing.
-    let part = |rays: &[Vec3]| rays.iter().filter(|&&v| v != Vec3::ZERO).count() as f32 / RAYS as f32;
-    visible.chunks_exact(RAYS as usize).map(part).collect()
+    let mut seen = vec![0.0; 8 * lanes.len()];
+    for (&owner, &v) in owners.iter().zip(&*visible) {
+        seen[owner] += if v == Vec3::ZERO { 0.0 } else { 1.0 / RAYS as f32 };
+    }
+    seen.into_boxed_slice()
 }

@@ -61,7 +61,7 @@ const LIT_BY_EMISSION: f32 = 0.25;
 const DARK_BY_LAMPS: f32 = 1e-6;
 const DARK_BY_EMISSION: f32 = 1e-3;
 
-/// Samples of the light at each visible point where only surfaces emit.
+/// Samples of the light at each visible point where only surfaces emit, or where one found nothing.
 const SAMPLES: u32 = 64;
 
 /// Visible points measured at a time, and lights above which one batch is all.
@@ -107,7 +107,13 @@ impl Survey {
                 .map(|(axis, fallback)| axis.as_vec3().normalize_or(fallback)),
             distance: distances.get(distances.len() / 2).copied().unwrap_or(1.0),
         };
-        let lit = has_own_light && (places.is_empty() || is_lit(scene, &places)?);
+        // Few samples find light that comes by way of a mirror, or through a small window: before a view is called dark,
+        // there are more of them.
+        let first_samples = if has_lamps(scene) { 1 } else { SAMPLES };
+        let lit = has_own_light
+            && (places.is_empty()
+                || is_lit(scene, &places, first_samples)?
+                || first_samples < SAMPLES && is_lit(scene, &places, SAMPLES)?);
         survey.wanted = match (lit, survey.open || places.is_empty()) {
             (true, _) => FirstLight::Own,
             (false, true) => FirstLight::Studio,
@@ -131,11 +137,9 @@ fn has_lamps(scene: &Scene) -> bool {
 
 /// Whether enough of what is seen is lit. Random batches are measured until that is certain, so that lit scenes, and
 /// with many lights all scenes, take little time.
-fn is_lit(scene: &Scene, places: &[SeenPlace]) -> Result<bool, Error> {
+fn is_lit(scene: &Scene, places: &[SeenPlace], samples: u32) -> Result<bool, Error> {
     let (part, dark) =
         if has_lamps(scene) { (LIT_BY_LAMPS, DARK_BY_LAMPS) } else { (LIT_BY_EMISSION, DARK_BY_EMISSION) };
-    // Few samples find light that comes by way of a mirror: where only surfaces emit, there are more of them.
-    let samples = if has_lamps(scene) { 1 } else { SAMPLES };
     let options = RenderOptions::default().with(|o| {
         o.method = Method::Path;
         o.picture.spp = samples;

@@ -80,7 +80,7 @@ pub enum DirectValues {
     },
 }
 
-/// What reaches a surface from a mesh point, or from several: RGB, and 0.
+/// What reaches a surface from a mesh point, or from several: RGB, and the weight of the points or 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ArrivingLight {
     pub visible: Vec4,

@@ -63,7 +63,7 @@ impl SixAxis {
         self.values.extend_from_slice(values);
     }
 
-    /// Returns the light of a point on a surface of normal `n`.
+    /// Returns the light of a point on a surface of normal `n`, and a weight of 1 in the fourth component.
     #[inline(always)]
     pub(super) fn project(&self, index: u32, n: Vec3) -> ArrivingLight {
         let values = &self.values[index as usize * STRIDE..][..STRIDE];
@@ -71,7 +71,7 @@ impl SixAxis {
         let [x, y, z] = faces.map(|face| 2 * face);
         let visible = values[x] * squares.x + values[y] * squares.y + values[z] * squares.z;
         let unshadowed = values[x + 1] * squares.x + values[y + 1] * squares.y + values[z + 1] * squares.z;
-        ArrivingLight { visible, unshadowed }
+        ArrivingLight { visible: visible + Vec4::W, unshadowed }
     }
 
     /// Returns the memory of all points, bytes.

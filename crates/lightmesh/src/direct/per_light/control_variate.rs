@@ -79,6 +79,12 @@ impl PerLightShader {
                 self.contributions.push(contribution * ((v * (1.0 - v)).sqrt().max(least) + RESIDUAL_DEVIATION));
             }
         }
+        // Certain lights get no more rays than what arrives would: most of them may be daylight outside a closed room.
+        let (certain, singles) = self.contributions.split_at_mut(blocks.len());
+        let (residual, arriving) = (certain.iter().sum::<f32>(), sum.element_sum() / 3.0);
+        if residual > arriving && !singles.is_empty() && arriving > 0.0 {
+            certain.iter_mut().for_each(|contribution| *contribution *= arriving / residual);
+        }
         let total: f32 = self.contributions.iter().sum();
 
         // Choose lights, stratified over the list, and queue their rays.
