@@ -35,18 +35,36 @@ type Block = ([i32; 3], u32);
 pub(super) struct SkyViews {
     /// The lanes of the parts of the sky, ascending; empty where there is none.
     lanes: Vec<u32>,
+    /// By part: the parts beside it.
+    beside: Vec<Vec<u32>>,
     /// By block, place and part: what is visible of it.
     seen: HashMap<Block, Box<[f32]>>,
     most_bytes: u64,
 }
+
+/// Parts whose middles are no farther apart than so many times the sum of their radii are beside each other.
+const BESIDE: f32 = 1.2;
+
+/// What is taken for visible, or hidden, of a part of which nothing else has been seen but which is beside others: the
+/// rim of a window.
+const RIM: f32 = 0.02;
 
 impl SkyViews {
     /// No block yet; `max_memory` is that of the render, bytes.
     pub(super) fn new(scene: &Scene, max_memory: u64) -> Self {
         let lights = scene.lights();
         let is_sky = |&lane: &u32| lights.has_strata() && matches!(lights.stratum(lane as usize), Stratum::Sky(_));
-        let lanes = (0..lights.lanes() as u32).filter(is_sky).collect();
-        Self { lanes, seen: HashMap::new(), most_bytes: MOST_BYTES.min(max_memory / MOST_PART) }
+        let lanes: Vec<u32> = (0..lights.lanes() as u32).filter(is_sky).collect();
+        let middle = |lane: u32| lights.sample(lane as usize).map_or(Vec3::ZERO, |light| light.position);
+        let radius = |lane: u32| lights.radius(lane as usize);
+        let beside = |&lane: &u32| {
+            let is_beside = |&(_, &other): &(u32, &u32)| {
+                other != lane && middle(lane).distance(middle(other)) < BESIDE * (radius(lane) + radius(other))
+            };
+            (0..).zip(&lanes).filter(is_beside).map(|(part, _)| part).collect()
+        };
+        let beside = lanes.iter().map(beside).collect();
+        Self { lanes, beside, seen: HashMap::new(), most_bytes: MOST_BYTES.min(max_memory / MOST_PART) }
     }
 
     /// Returns the memory, bytes.
@@ -123,22 +141,32 @@ impl SkyReader<'_> {
             }
         }
         self.around.iter_mut().for_each(|sum| *sum /= f32::max(places_seen, 1.0));
-        SkyAround { lanes: &self.views.lanes, seen: (places_seen > 0.0).then_some(&self.around) }
+        SkyAround { views: self.views, seen: (places_seen > 0.0).then_some(&self.around) }
     }
 }
 
 /// What is visible of the sky around a mesh point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SkyAround<'a> {
-    lanes: &'a [u32],
-    /// By lane; `None` where the point sees no place from which that is known, as in a thin layer before a wall.
+    views: &'a SkyViews,
+    /// By part; `None` where the point sees no place from which that is known, as in a thin layer before a wall.
     seen: Option<&'a [f32]>,
 }
 
 impl SkyAround<'_> {
     /// Returns the part in [0, 1] that is visible of a lane's part of the sky; `None` where that is unknown.
     pub(super) fn of(&self, lane: u32) -> Option<f32> {
-        self.lanes.binary_search(&lane).ok().and_then(|i| self.seen.map(|seen| seen[i]))
+        let part = self.views.lanes.binary_search(&lane).ok()?;
+        self.seen.map(|seen| seen[part])
+    }
+
+    /// Returns how much of it may be visible for all that is known: a little, or nearly all, where nothing or all was
+    /// seen of it and something else of a part beside it.
+    pub(super) fn guess(&self, lane: u32) -> f32 {
+        let (Some(q), Some(seen)) = (self.of(lane), self.seen) else { return 0.5 };
+        let part = self.views.lanes.binary_search(&lane).unwrap_or_default();
+        let is_at_rim = || self.views.beside[part].iter().any(|&other| seen[other as usize] != q);
+        if (q == 0.0 || q == 1.0) && is_at_rim() { q.clamp(RIM, 1.0 - RIM) } else { q }
     }
 }
 

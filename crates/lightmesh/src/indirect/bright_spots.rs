@@ -26,6 +26,8 @@ pub(super) struct BrightSpot {
     pub shape: SpotShape,
     /// Luminous flux that the surfaces reflect, lumen; the largest channel.
     pub flux: f32,
+    /// How many times as bright as the mean its brightest part may be, of what is sampled evenly.
+    pub contrast: f32,
     /// The mirror behind which it is seen.
     pub mirror: Option<PlaneMirror>,
 }
@@ -205,11 +207,11 @@ mod tests {
     fn plane() -> BrightSpot {
         let cone = EvenCone { axis: Vec3::Y, cos: 0.05 };
         let shape = SpotShape::Plane { lamp: LAMP, foot: LAMP.with_y(3.0), n: Vec3::NEG_Y, cone };
-        BrightSpot { shape, flux: 1.0, mirror: None }
+        BrightSpot { shape, flux: 1.0, contrast: 1.0, mirror: None }
     }
 
     fn ball() -> BrightSpot {
-        BrightSpot { shape: SpotShape::Ball { center: LAMP, radius: 0.4 }, flux: 1.0, mirror: None }
+        BrightSpot { shape: SpotShape::Ball { center: LAMP, radius: 0.4 }, flux: 1.0, contrast: 1.0, mirror: None }
     }
 
     /// The mean of f / pdf over samples is the integral of f: of 1 over a region of known solid angle, and of a plane's

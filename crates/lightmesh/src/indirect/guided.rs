@@ -67,7 +67,7 @@ impl Guide {
     /// Whether even rays alone do not serve the spot, among so much light of all kinds.
     fn matters_in(&self, irradiance: f32) -> bool {
         let noise = self.irradiance * self.even_noise;
-        noise > LEAST_NOISE * irradiance || noise * self.even_noise > LEAST_BLOB * irradiance
+        noise > LEAST_NOISE * irradiance || noise * self.even_noise * self.spot.contrast > LEAST_BLOB * irradiance
     }
 }
 

@@ -26,6 +26,9 @@ const MOST_EMITTERS: usize = 64;
 /// The part of a lamp's rays that makes a spot.
 const LEAST_PART: f32 = 0.12;
 
+/// Surfaces in a ball are not taken for brighter than so many times their mean.
+const MOST_CONTRAST: f32 = 64.0;
+
 /// Light of a lamp at a surface more aslant than this is left to even rays: at a distance of 20 times the lamp's
 /// height.
 const LEAST_COS: f32 = 0.05;
@@ -84,6 +87,7 @@ fn images_of_emitters(scene: &Scene) -> Vec<BrightSpot> {
     let image = |mirror: &PlaneMirror, &(center, radius, emission): &(Vec3, f32, f32)| BrightSpot {
         shape: SpotShape::Ball { center: mirror.image_of(center), radius },
         flux: 2.0 * PI * PI * radius * radius * emission,
+        contrast: 1.0,
         mirror: Some(*mirror),
     };
     let mirrors = scene.plane_mirrors();
@@ -136,7 +140,7 @@ fn spots_of(scene: &Scene, light: &SampledLight, even: &[Vec3]) -> Vec<BrightSpo
         }
         let cone = cone.unwrap_or(EvenCone { axis: -first.n, cos: LEAST_COS });
         let shape = SpotShape::Plane { lamp, foot: lamp - first.n * first.height, n: first.n, cone };
-        spots.push(BrightSpot { shape, flux: flux(&plane), mirror: None });
+        spots.push(BrightSpot { shape, flux: flux(&plane), contrast: 1.0, mirror: None });
     }
 
     // What else is near is a ball.
@@ -145,6 +149,7 @@ fn spots_of(scene: &Scene, light: &SampledLight, even: &[Vec3]) -> Vec<BrightSpo
     spots.extend(ball(lamp, 0.0, &others, even.len()).map(|(shape, albedos)| BrightSpot {
         shape,
         flux: lumen_a_probe * albedos,
+        contrast: contrast(&shape, others.iter().map(|&(distance, _)| distance)),
         mirror: None,
     }));
     spots.retain(|spot| spot.flux > 0.0);
@@ -161,6 +166,14 @@ fn ball(center: Vec3, lamp_radius: f32, met: &[(f32, f32)], probes: usize) -> Op
     is_enough.then(|| (SpotShape::Ball { center, radius }, near().map(|(_, albedo)| albedo).sum()))
 }
 
+/// Returns how many times as bright as the mean the brightest part of a ball may be, if what is lit was met at these
+/// distances from where it is lit from.
+fn contrast(shape: &SpotShape, distances: impl Iterator<Item = f32>) -> f32 {
+    let SpotShape::Ball { radius, .. } = shape else { return 1.0 };
+    let nearest = distances.fold(f32::INFINITY, f32::min);
+    (radius / nearest).powi(2).clamp(1.0, MOST_CONTRAST)
+}
+
 /// The spot around a shining surface, as where a panel lies in a can: a ball of what light from random points of it
 /// meets.
 fn spot_of_emitter(scene: &Scene, emitter: usize, even: &[Vec3]) -> Option<BrightSpot> {
@@ -173,7 +186,7 @@ fn spot_of_emitter(scene: &Scene, emitter: usize, even: &[Vec3]) -> Option<Brigh
     let radius = points.iter().map(|point| point.position.distance(center)).fold(0.0, f32::max);
 
     // Follow light from the points.
-    let mut met = Vec::new();
+    let (mut met, mut lengths) = (Vec::new(), Vec::new());
     let mut flux = 0.0;
     for (i, point) in points.iter().enumerate() {
         let sides = if point.two_sided { 2.0 } else { 1.0 };
@@ -185,10 +198,12 @@ fn spot_of_emitter(scene: &Scene, emitter: usize, even: &[Vec3]) -> Option<Brigh
         let ray = Ray::new(point.position + n * offset, t * local.x + b * local.y + n * local.z);
         if let Some(hit) = scene.bvh().closest(&ray) {
             let surface = evaluate(scene, &ray, &hit);
+            lengths.push(hit.t);
             met.push((surface.position.distance(center), surface.diffuse.max_element()));
         }
     }
     let (shape, albedos) = ball(center, radius, &met, count)?;
     let flux = flux * albedos / count as f32;
-    (flux > 0.0).then_some(BrightSpot { shape, flux, mirror: None })
+    let contrast = contrast(&shape, lengths.into_iter());
+    (flux > 0.0).then_some(BrightSpot { shape, flux, contrast, mirror: None })
 }
