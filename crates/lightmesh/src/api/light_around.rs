@@ -23,8 +23,10 @@ const FINEST: u32 = 32;
 /// and nowhere where that would leave less than [`LEAST`] places.
 const LIGHTS: usize = 128;
 const LEAST: usize = 16;
-/// Samples of the light at each place, with few lamps.
+/// Samples of the light at each place, with few lamps; and how many where fewer have more noise than a part of all light.
+const FEW_SAMPLES: usize = 4;
 const SAMPLES: usize = 16;
+const MOST_NOISE: f32 = 0.06;
 /// Places whose indirect light is taken together.
 const NEIGHBOURS: usize = 24;
 /// Shadow rays for direct light, at most.
@@ -66,13 +68,17 @@ pub(crate) fn white_around(scene: &Scene, camera: &Camera) -> Result<Option<f32>
         let mut mesh = LightMesh::new(scene, &options)?;
         measure(scene, &meters, &options, &mut mesh, &())
     };
-    let paths = with(Method::Path, (2 * LIGHTS / lights.max(1)).clamp(1, SAMPLES) as u32, 2)?;
+    let samples = |most: usize| (2 * LIGHTS / lights.max(1)).clamp(1, most) as u32;
+    let mut paths = with(Method::Path, samples(FEW_SAMPLES), 2)?;
     // The root of a noisy value is too small in the mean: lamps that are not seen must not make it so. All of them have
-    // their ray, if that is affordable.
+    // their ray, if that is affordable, and indirect light has more samples if it is noisy.
     let affordable = scene.lights().len() * meters.len() <= MOST_RAYS;
-    let direct = if affordable { with(Method::Standard, 1, 0)?.direct } else { paths.direct };
-
-    let indirect = smoothed(&meters, &paths.indirect);
+    let direct = if affordable { with(Method::Standard, 1, 0)?.direct } else { std::mem::take(&mut paths.direct) };
+    let (mut indirect, noise) = smoothed(&meters, &paths.indirect);
+    let light: f32 = direct.iter().chain(&indirect).map(|e| e.element_sum()).sum();
+    if noise > MOST_NOISE * light && samples(SAMPLES) > samples(FEW_SAMPLES) {
+        (indirect, _) = smoothed(&meters, &with(Method::Path, samples(SAMPLES), 2)?.indirect);
+    }
 
     // Take the mean of the roots.
     let mut sum = (0.0, 0.0);
@@ -96,8 +102,9 @@ pub(crate) fn white_around(scene: &Scene, camera: &Camera) -> Result<Option<f32>
 }
 
 /// Returns the mean of the values at the nearest places of each place: few paths find light that comes through a small
-/// window, and indirect light is even.
-fn smoothed(places: &[Meter], values: &[Vec3]) -> Vec<Vec3> {
+/// window, and indirect light is even. And the sum of the standard errors of these means, of the sum of the channels.
+fn smoothed(places: &[Meter], values: &[Vec3]) -> (Vec<Vec3>, f32) {
+    let mut noise = 0.0;
     let mut near: Vec<(f32, usize)> = Vec::new();
     let mean = |place: &Meter| {
         near.clear();
@@ -106,9 +113,14 @@ fn smoothed(places: &[Meter], values: &[Vec3]) -> Vec<Vec3> {
         near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // In their own order, so that the sum does not depend on how they were selected.
         near[..count].sort_unstable_by_key(|&(_, i)| i);
-        near[..count].iter().map(|&(_, i)| values[i]).sum::<Vec3>() / count as f32
+        let near = || near[..count].iter().map(|&(_, i)| values[i]);
+        let mean = near().sum::<Vec3>() / count as f32;
+        let squares: f32 = near().map(|value| (value - mean).element_sum().powi(2)).sum();
+        noise += squares.sqrt() / count as f32;
+        mean
     };
-    places.iter().map(mean).collect()
+    let means = places.iter().map(mean).collect();
+    (means, noise)
 }
 
 /// What is left of `x` beyond ±`keep`.

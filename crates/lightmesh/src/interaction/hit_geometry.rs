@@ -209,8 +209,9 @@ fn rounded_coordinate(scene: &Scene, instance: u32, corners: [usize; 3], positio
 /// Tracing Gems II, 2021, ch. 4, listing 4-1).
 fn bulge(point: Vec3, corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     let above = |i: usize| {
-        let n = normals[i].normalize_or_zero();
-        n * ((point - corners[i]).dot(n).min(0.0) * -weights[i])
+        // Of any length: a root for each hit took time.
+        let n = normals[i];
+        n * ((point - corners[i]).dot(n).min(0.0) * -weights[i] / n.length_squared().max(f32::MIN_POSITIVE))
     };
     above(0) + above(1) + above(2)
 }
