@@ -1,5 +1,6 @@
 //! Direct light: formula (1) at mesh points, formula (3g) over them, and shadow rays where they do not suffice.
 
+mod by_region;
 pub(crate) mod encoding;
 mod exact;
 mod few_rays;

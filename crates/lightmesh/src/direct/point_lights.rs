@@ -48,7 +48,7 @@ const SKY_RAYS_PER_PART: f32 = 128.0;
 
 /// The most where it is only a guess that some of it may be visible: one ray that meets the rim of a window by chance
 /// brought a whole part's light, a bright dot on the floor.
-const SKY_RAYS_PER_RIM: f32 = 8.0;
+const SKY_RAYS_PER_RIM: f32 = 16.0;
 
 /// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of
 /// it.
@@ -115,10 +115,10 @@ impl<'a> PointLights<'a> {
         let is_sky = |lane: u32| matches!(lights.stratum(lane as usize), Stratum::Sky(_));
         let strength = |lane: u32| lights.intensity(lane as usize).element_sum();
         let sky_lanes = || self.lanes.iter().copied().filter(|&lane| is_sky(lane));
-        let arriving: f32 = sky_lanes().map(|lane| strength(lane) * around.of(lane).unwrap_or(0.5)).sum();
+        let arriving: f32 = sky_lanes().map(|lane| strength(lane) * around.of(lane)).sum();
         // The noise of a part, if one ray had it. With rays in proportion to it, the variance is its sum over their number.
         let noise = |lane: u32, q: f32| strength(lane) * (q * (1.0 - q)).sqrt() / arriving.max(f32::MIN_POSITIVE);
-        let sum: f32 = sky_lanes().map(|lane| noise(lane, around.of(lane).unwrap_or(0.5))).sum();
+        let sum: f32 = sky_lanes().map(|lane| noise(lane, around.of(lane))).sum();
         let sky_rays = (sum / SKY_VARIANCE).clamp(*SKY_RAYS.start(), *SKY_RAYS.end());
         let mut lanes = self.lanes.iter();
         self.rays.retain(|_| lanes.next().is_some_and(|&lane| !is_sky(lane)));
@@ -132,7 +132,7 @@ impl<'a> PointLights<'a> {
                 continue;
             }
             let (known, q) = (around.of(lane), around.guess(lane));
-            let most = if known.is_none_or(|known| known == q) { SKY_RAYS_PER_PART } else { SKY_RAYS_PER_RIM };
+            let most = if known == q { SKY_RAYS_PER_PART } else { SKY_RAYS_PER_RIM };
             let count = (sky_rays * noise(lane, q)).ceil().clamp(1.0, most);
             for k in 0..count as u32 {
                 let light = self.scene.emitters().sky_direction(lights, lane as usize, k, count as u32, seed);
@@ -144,7 +144,7 @@ impl<'a> PointLights<'a> {
                     direction: light.position,
                     visible: Vec3::ZERO,
                 };
-                self.sky.push(SkyRay { index, light, is_mixed: known.is_some_and(|q| q > 0.0 && q < 1.0) });
+                self.sky.push(SkyRay { index, light, is_mixed: known > 0.0 && known < 1.0 });
             }
         }
         visibility(self.scene, &self.rays, &mut self.shadow, &mut self.ray_visible);

@@ -272,6 +272,19 @@ impl DirectLighting<'_, '_> {
         visibility: CornerVisibility,
         batches: &mut [&mut ShadingBatch],
     ) -> Result<ShadingSeconds, Error> {
+        let is_per_light = matches!(self.plan.shading(visibility), Shading::PerLight { .. } | Shading::Unbiased { .. });
+        if is_per_light && visibility == CornerVisibility::Stochastic && self.field.lights().has_clusters() {
+            return self.shade_by_region(visibility, batches);
+        }
+        self.shade_together(visibility, batches)
+    }
+
+    /// [`Self::shade`] batch by batch.
+    pub(super) fn shade_together(
+        &mut self,
+        visibility: CornerVisibility,
+        batches: &mut [&mut ShadingBatch],
+    ) -> Result<ShadingSeconds, Error> {
         // Compute what needs no mesh: exact light, or sums without shadows.
         let (scene, falloff) = (self.scene, self.options.transport.falloff);
         let shading = self.plan.shading(visibility);

@@ -20,8 +20,9 @@ use crate::world::Scene;
 /// Mesh points along the edge of a block.
 const BLOCK: f32 = 8.0;
 
-/// Rays from each of the eight places to each part of the sky.
+/// Rays from each of the eight places to each part of the sky, and from a point that sees none of the places.
 const RAYS: u32 = 4;
+const OWN_RAYS: u32 = 12;
 
 /// Most memory of the blocks that are kept, bytes, and the part of the limit that it may be; they are forgotten beyond it.
 const MOST_BYTES: u64 = 64 << 20;
@@ -88,7 +89,11 @@ impl SkyViews {
         let blocks: BTreeSet<Block> = points.map(|(x, spacing)| block_of(x, spacing)).collect();
         let blocks: Vec<Block> = blocks.into_iter().filter(|block| !self.seen.contains_key(block)).collect();
         let lanes = &self.lanes;
-        let look = |scratch: &mut Scratch, &block: &Block| (block, look(scene, lanes, block, scratch));
+        let look = |scratch: &mut Scratch, &block: &Block| {
+            let mut seen = Vec::new();
+            look(scene, lanes, places(block), RAYS, scratch, &mut seen);
+            (block, seen.into_boxed_slice())
+        };
         let found: Vec<_> = blocks.par_iter().map_init(Scratch::default, look).collect();
         self.seen.extend(found);
         blocks.len() as u64 * 8 * self.lanes.len() as u64 * u64::from(RAYS)
@@ -123,7 +128,7 @@ impl SkyReader<'_> {
     pub(super) fn around(&mut self, x: Vec3, spacing: f32) -> SkyAround<'_> {
         // Find the places that the point sees.
         let (block, count) = (block_of(x, spacing), self.views.lanes.len());
-        let Scratch { rays, visible, shadow } = &mut self.scratch;
+        let Scratch { rays, visible, shadow, .. } = &mut self.scratch;
         rays.clear();
         rays.extend(places(block).map(|place| Ray::segment(x, place)));
         visibility(self.scene, rays, shadow, visible);
@@ -140,8 +145,15 @@ impl SkyReader<'_> {
                 self.around.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
             }
         }
-        self.around.iter_mut().for_each(|sum| *sum /= f32::max(places_seen, 1.0));
-        SkyAround { views: self.views, seen: (places_seen > 0.0).then_some(&self.around) }
+        if places_seen > 0.0 {
+            self.around.iter_mut().for_each(|sum| *sum /= places_seen);
+        } else {
+            // In a thin layer before a wall, look from the point itself.
+            let lanes = &self.views.lanes;
+            look(self.scene, lanes, std::iter::once(x), OWN_RAYS, &mut self.scratch, &mut self.around);
+            self.rays_traced += self.scratch.rays.len() as u64;
+        }
+        SkyAround { views: self.views, seen: &self.around }
     }
 }
 
@@ -149,24 +161,27 @@ impl SkyReader<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SkyAround<'a> {
     views: &'a SkyViews,
-    /// By part; `None` where the point sees no place from which that is known, as in a thin layer before a wall.
-    seen: Option<&'a [f32]>,
+    /// By part.
+    seen: &'a [f32],
 }
 
 impl SkyAround<'_> {
-    /// Returns the part in [0, 1] that is visible of a lane's part of the sky; `None` where that is unknown.
-    pub(super) fn of(&self, lane: u32) -> Option<f32> {
-        let part = self.views.lanes.binary_search(&lane).ok()?;
-        self.seen.map(|seen| seen[part])
+    /// Returns the part in [0, 1] that is visible of a lane's part of the sky.
+    pub(super) fn of(&self, lane: u32) -> f32 {
+        self.part(lane).map_or(0.5, |part| self.seen[part])
     }
 
     /// Returns how much of it may be visible for all that is known: a little, or nearly all, where nothing or all was
     /// seen of it and something else of a part beside it.
     pub(super) fn guess(&self, lane: u32) -> f32 {
-        let (Some(q), Some(seen)) = (self.of(lane), self.seen) else { return 0.5 };
-        let part = self.views.lanes.binary_search(&lane).unwrap_or_default();
-        let is_at_rim = || self.views.beside[part].iter().any(|&other| seen[other as usize] != q);
+        let Some(part) = self.part(lane) else { return 0.5 };
+        let q = self.seen[part];
+        let is_at_rim = || self.views.beside[part].iter().any(|&other| self.seen[other as usize] != q);
         if (q == 0.0 || q == 1.0) && is_at_rim() { q.clamp(RIM, 1.0 - RIM) } else { q }
+    }
+
+    fn part(&self, lane: u32) -> Option<usize> {
+        self.views.lanes.binary_search(&lane).ok()
     }
 }
 
@@ -175,6 +190,8 @@ struct Scratch {
     rays: Vec<Ray>,
     visible: Vec<Vec3>,
     shadow: VisibilityScratch,
+    /// By ray: the number in what is seen that it counts for.
+    owners: Vec<usize>,
 }
 
 /// Returns the block of a mesh point.
@@ -190,27 +207,35 @@ fn places((block, spacing): Block) -> impl Iterator<Item = Vec3> {
     (0..8).map(move |i| corner + (octant(i) * 0.5 + 0.263) * edge)
 }
 
-/// Looks at the parts of the sky from the places of a block.
-fn look(scene: &Scene, lanes: &[u32], block: Block, scratch: &mut Scratch) -> Box<[f32]> {
-    let Scratch { rays, visible, shadow } = scratch;
+/// Looks at the parts of the sky from some places by so many rays each; `seen` becomes what is visible, by place and part.
+fn look(
+    scene: &Scene,
+    lanes: &[u32],
+    places: impl Iterator<Item = Vec3>,
+    count: u32,
+    scratch: &mut Scratch,
+    seen: &mut Vec<f32>,
+) {
+    let Scratch { rays, visible, shadow, owners } = scratch;
     rays.clear();
-    let mut owners = Vec::new();
-    for (i, place) in places(block).enumerate() {
+    owners.clear();
+    seen.clear();
+    for place in places {
         let seed = hash(!seed_of_position(place));
-        for (part, &lane) in lanes.iter().enumerate() {
-            for k in 0..RAYS {
-                if let Some(light) = scene.emitters().sky_direction(scene.lights(), lane as usize, k, RAYS, seed) {
+        for &lane in lanes {
+            for k in 0..count {
+                let light = scene.emitters().sky_direction(scene.lights(), lane as usize, k, count, seed);
+                if let Some(light) = light {
                     rays.push(shadow_ray_to(&light, place));
-                    owners.push(i * lanes.len() + part);
+                    owners.push(seen.len());
                 }
             }
+            seen.push(0.0);
         }
     }
     visibility(scene, rays, shadow, visible);
     // A pane before all of it divides nothing.
-    let mut seen = vec![0.0; 8 * lanes.len()];
     for (&owner, &v) in owners.iter().zip(&*visible) {
-        seen[owner] += if v == Vec3::ZERO { 0.0 } else { 1.0 / RAYS as f32 };
+        seen[owner] += if v == Vec3::ZERO { 0.0 } else { 1.0 / count as f32 };
     }
-    seen.into_boxed_slice()
 }

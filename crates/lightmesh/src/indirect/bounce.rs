@@ -16,7 +16,7 @@ use crate::mesh::{AmbientCube, CornerVisibility, Costs, Marks, Points};
 use crate::{Error, RenderOptions, Scene};
 
 /// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
-pub(crate) const POINTS_AT_ONCE: usize = 256;
+pub(crate) const POINTS_AT_ONCE: usize = 512;
 
 impl IndirectField {
     /// Probes the marked points, evaluates those that need values and all that they depend on, and clears the marks.
