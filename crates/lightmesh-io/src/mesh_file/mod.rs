@@ -6,6 +6,7 @@
 //! | array, of `direct` and `indirect` | type, shape | |
 //! |---|---|---|
 //! | `direct.lattice_origin`, `_spacing`, `_size` | F32 (L, 3), F32 (L), U32 (L, 3) | by level: point (i, j, k) lies at origin + spacing · (i, j, k) |
+//! | `direct.focus`, `direct.focus_scale` | F32 (2, 3), F32 (1) | corners of the box in which the mesh is fine, and the length of which its spacing is a part, metres; missing if it is so everywhere |
 //! | `direct.addresses` | I32 (N, 4) | level, i, j, k of each point that gives light |
 //! | `direct.positions` | F32 (N, 3) | where that is, metres |
 //! | `direct.clearances` | U8 (N, 6) | room towards ±x, ±y, ±z, in 1/255 of the spacing |
@@ -14,7 +15,7 @@
 //! | or `direct.scalar` | F32 (N, 2, 3) | the paper's DirectLight, and what it is divided by |
 //! | or `direct.light_bits` | U64 (N, 2, W) | what is known of each light |
 //! | or `direct.run_ends`, `direct.runs` | U64 (N), U32 (R) | the same of clusters of lights |
-//! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z |
+//! | `indirect.values` | F32 (B + 1, N, S, 3) | lux after 0 to B reflections, on planes that face ±x, ±y, ±z; each lies on the surface behind it, if there is one within the spacing |
 //! | `indirect.hit_irradiance`, `indirect.hit_count` | F64 (1), U64 (1) | for the estimate of what more bounces would add |
 //!
 //! [`lightmesh::Snapshot`] says more about each. Positions are for who looks at the file: they follow from the

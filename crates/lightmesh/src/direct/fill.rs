@@ -8,8 +8,9 @@ use super::point_lights::PointLights;
 use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
 use crate::{Error, RayCounts, Scene};
 
-/// Points with runs that are evaluated before their memory is checked: some 10 KiB each while they wait.
-const POINTS_WITH_RUNS: usize = 1 << 13;
+/// Points that are evaluated before memory is checked, if they have runs, some 10 KiB each while they wait, or if there
+/// is a sky: each may be in a block of its own.
+const POINTS_AT_ONCE: usize = 1 << 13;
 
 /// A point that has been evaluated.
 struct EvaluatedPoint {
@@ -31,7 +32,8 @@ impl DirectField {
             rays.secondary = PROBE_RAYS * requested.len() as u64;
         }
         // The number of runs shows only when points have been evaluated.
-        let together = if self.encoding.runs().is_some() { POINTS_WITH_RUNS } else { requested.len().max(1) };
+        let is_bounded = self.encoding.runs().is_some() || !self.sky.is_empty();
+        let together = if is_bounded { POINTS_AT_ONCE } else { requested.len().max(1) };
         for requested in requested.chunks(together) {
             rays.shadow += self.evaluate(scene, requested)?;
         }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::exact::ExactShader;
 use super::few_rays::FewRaysShader;
 use super::field::DirectField;
-use super::per_light::{PerLightShader, Shaded};
+use super::per_light::{PerLightShader, SamplingPolicy, Shaded, TrustAgreement};
 use super::plan::{LightingPlan, Shading};
 use super::read::Reading;
 use super::read_lights::LightsReading;
@@ -331,6 +331,12 @@ impl DirectLighting<'_, '_> {
             *step += started.elapsed().as_secs_f64();
             if !waiting {
                 let started = Instant::now();
+                if let Shading::PerLight { policy: SamplingPolicy { agreement: TrustAgreement::Yes, .. }, .. } = shading
+                {
+                    // What a ray takes from the estimate may be more than is there.
+                    let direct = batches.iter_mut().flat_map(|batch| &mut batch.direct);
+                    direct.for_each(|irradiance| *irradiance = irradiance.max(Vec3::ZERO));
+                }
                 batches.par_iter_mut().for_each(|batch| batch.add_mirrored(scene, falloff, visibility));
                 seconds.shade += started.elapsed().as_secs_f64();
                 return Ok(seconds);

@@ -125,8 +125,9 @@ impl GatherRays {
         self.seed_rays(seed);
         self.trace(scene, options);
         self.faces = ShiftedFaces::new(behind);
-        self.lobes.clear();
-        self.lobes.extend(self.batch.iter().zip(&self.ends).map(|(ray, end)| self.faces.lobe(scene, ray, end)));
+        let Self { lobes, batch, ends, faces, rays, .. } = self;
+        lobes.clear();
+        lobes.extend(batch.iter().zip(ends).map(|(ray, end)| faces.lobe(scene, ray, end, rays)));
         self.faces.normalize(&mut self.lobes);
     }
 
@@ -138,9 +139,11 @@ impl GatherRays {
         self.batch.extend(directions.iter().map(|&d| Ray::new(x, d)));
         self.seed_rays(hash(!even.seed()));
         self.trace(scene, options);
-        let lobe = |(ray, end): (&Ray, &RayEnd)| even.faces.lobe(scene, ray, end) * even.faces.share(ray.direction);
-        self.lobes.clear();
-        self.lobes.extend(self.batch.iter().zip(&self.ends).map(lobe));
+        let Self { lobes, batch, ends, rays, .. } = self;
+        let lobe =
+            |(ray, end): (&Ray, &RayEnd)| even.faces.lobe(scene, ray, end, rays) * even.faces.share(ray.direction);
+        lobes.clear();
+        lobes.extend(batch.iter().zip(&*ends).map(lobe));
     }
 
     fn seed_rays(&mut self, seed: u32) {

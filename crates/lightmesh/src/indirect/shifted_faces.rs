@@ -81,9 +81,9 @@ impl ShiftedFaces {
     }
 
     /// Returns how much of the radiance along a ray with unit `direction` is irradiance on the face of each axis that it
-    /// reaches, with the sign of the face: the direction's components, were no face moved.
+    /// reaches, with the sign of the face: the direction's components, were no face moved. Adds the rays that it takes.
     #[inline(always)]
-    pub(super) fn lobe(&self, scene: &Scene, ray: &Ray, end: &RayEnd) -> Vec3 {
+    pub(super) fn lobe(&self, scene: &Scene, ray: &Ray, end: &RayEnd, rays: &mut u64) -> Vec3 {
         let direction = ray.direction;
         let mut lobe = direction;
         if end.is_nowhere() {
@@ -98,8 +98,11 @@ impl ShiftedFaces {
             // What lies between the opposite face and the surface behind it is seen by that face now.
             if other > 0.0 {
                 let seen = seen_after(-sign * other, axis, direction, end);
-                if seen > lobe[axis].abs() && is_seen_from(Vec3::AXES[axis] * (sign * other), scene, ray, end) {
-                    lobe[axis] = -sign * seen;
+                if seen > lobe[axis].abs() {
+                    *rays += 1;
+                    if is_seen_from(Vec3::AXES[axis] * (sign * other), scene, ray, end) {
+                        lobe[axis] = -sign * seen;
+                    }
                 }
             }
         }

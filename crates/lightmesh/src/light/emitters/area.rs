@@ -3,36 +3,34 @@
 //!
 //! A light is an emissive mesh, once for each of its instances, or an emissive sphere. It is divided into *pieces*,
 //! sub-triangles down to texels of its picture ([`Pieces`]), and these are gathered into *strata* of about the same
-//! flux ([`stratify`]). A stratum has a representative, a flat patch in its middle, and random points. Pieces that are
+//! flux (`arrange.rs`). A stratum has a representative, a flat patch in its middle, and random points. Pieces that are
 //! no brighter than what they light are *weak*: gather rays find their emission (`surroundings.rs`).
 
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-use super::super::sample::{LightEmission, LightSample, Patch, SampledLight};
-use super::super::stratum::{LaneStratum, Reach, Stratum};
-use super::bulb::{Bulb, bulb};
+use super::super::sample::{LightEmission, SampledLight};
+use super::bulb::Bulb;
 use super::pieces::{Pieces, Surface};
 use super::primitive::{Primitive, Source, emission_of, piece_of_sphere};
-use super::strata::{Count, Item, stratify};
+use super::strata::Item;
 use super::subdivision;
 use crate::bvh::{Hit, Target};
-use crate::sampling::{hash, seed_of_position};
-use crate::scene::{Light, Material, SceneData};
+use crate::scene::{Material, SceneData};
 
 /// All emissive meshes and spheres.
 #[derive(Debug, Default)]
 pub(crate) struct AreaLights {
-    lights: Vec<AreaLight>,
-    pieces: Pieces,
+    pub(super) lights: Vec<AreaLight>,
+    pub(super) pieces: Pieces,
     /// The pieces, light by light, in each light stratum by stratum.
-    order: Vec<u32>,
+    pub(super) order: Vec<u32>,
     /// By place in the order: luminance times area of all pieces up to and with it, cd.
     cdf: Vec<f64>,
     /// Places in the order.
-    strata: Vec<Range<u32>>,
-    bulbs: Vec<Bulb>,
+    pub(super) strata: Vec<Range<u32>>,
+    pub(super) bulbs: Vec<Bulb>,
     /// The index of the light of each instance and sphere; `NONE` for those that do not shine.
     light_of_instance: Vec<u32>,
     light_of_sphere: Vec<u32>,
@@ -41,32 +39,14 @@ pub(crate) struct AreaLights {
 const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Debug)]
-struct AreaLight {
+pub(super) struct AreaLight {
     surface: Surface,
     /// The number of its first primitive among those of all lights.
     first_primitive: u32,
     /// Its pieces, which are its places in the order, too.
-    pieces: Range<u32>,
+    pub pieces: Range<u32>,
     /// Pieces up to this luminance are left to gather rays, cd/m².
-    weak_below: f32,
-}
-
-/// How a light is to be divided into strata.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Arrangement {
-    /// Strata of what is not weak, and of what is.
-    pub strata: [u32; 2],
-    /// Pieces up to this luminance are weak, cd/m².
     pub weak_below: f32,
-    /// Whether the light is small for what it lights, so that a point may stand for it if it shines every way.
-    pub is_small: bool,
-}
-
-/// The strata of one light, and patches that represent them.
-#[derive(Debug, Default)]
-pub(super) struct LightStrata {
-    pub sampled: Vec<(LightSample, LaneStratum)>,
-    pub weak: Vec<(LightSample, LaneStratum)>,
 }
 
 /// A random point on an area light.
@@ -83,12 +63,6 @@ pub(crate) struct AreaPoint {
     /// Density over area, 1/m².
     pub pdf: f32,
 }
-
-/// In a stratum whose mean normal is shorter than this, no side is the front.
-const ONE_FRONT: f32 = 0.35;
-
-/// The strata of a light whose pieces face in different directions are at most so many times as many as wanted.
-const MOST_STRATA: u32 = 4;
 
 impl AreaLights {
     /// The area lights of a checked scene, not yet divided into strata.
@@ -137,7 +111,7 @@ impl AreaLights {
     }
 
     /// Sums the flux of the pieces in their order.
-    fn sum(&mut self) {
+    pub(super) fn sum(&mut self) {
         let mut sum = 0.0;
         self.cdf.clear();
         for light in &self.lights {
@@ -287,21 +261,21 @@ impl AreaLights {
         })
     }
 
-    fn material<'a>(&self, data: &'a SceneData, light: &AreaLight) -> &'a Material {
+    pub(super) fn material<'a>(&self, data: &'a SceneData, light: &AreaLight) -> &'a Material {
         &data.materials[light.surface.material]
     }
 
-    fn primitive<'a>(&self, data: &'a SceneData, light: &AreaLight, piece: u32) -> Primitive<'a> {
+    pub(super) fn primitive<'a>(&self, data: &'a SceneData, light: &AreaLight, piece: u32) -> Primitive<'a> {
         let primitive = self.pieces.primitives[piece as usize] - light.first_primitive;
         Primitive::of(data, light.surface.source, primitive)
     }
 
-    fn area_of(&self, item: &Item) -> f32 {
+    pub(super) fn area_of(&self, item: &Item) -> f32 {
         self.pieces.areas[item.index as usize]
     }
 
     /// Returns the mean emission of a piece, cd/m².
-    fn emission(&self, data: &SceneData, light: &AreaLight, piece: u32) -> Vec3 {
+    pub(super) fn emission(&self, data: &SceneData, light: &AreaLight, piece: u32) -> Vec3 {
         let material = self.material(data, light);
         match material.emission_texture {
             None => material.emission,
@@ -311,153 +285,6 @@ impl AreaLights {
             }
         }
     }
-
-    /// Divides each light into strata; what is sampled comes first. Returns them light by light.
-    pub(super) fn arrange(&mut self, data: &SceneData, arrangements: &[Arrangement]) -> Vec<LightStrata> {
-        self.strata.clear();
-        self.bulbs.clear();
-        let mut all = Vec::with_capacity(self.lights.len());
-        for (index, &Arrangement { strata: [sampled, weak], weak_below, is_small }) in arrangements.iter().enumerate() {
-            self.lights[index].weak_below = weak_below;
-            let Range { start, end } = self.lights[index].pieces;
-            let is_weak = |piece: u32| self.pieces.luminance[piece as usize] <= weak_below;
-            let shines = |piece: u32| self.pieces.luminance[piece as usize] > 0.0;
-            let lists = [
-                (start..end).filter(|&p| shines(p) && !is_weak(p)).collect::<Vec<_>>(),
-                (start..end).filter(|&p| shines(p) && is_weak(p)).collect(),
-                (start..end).filter(|&p| !shines(p)).collect(),
-            ];
-            let [bright, faint, dark] = lists;
-            let mut place = start;
-            let sampled = self.stratify(data, index, bright, sampled, is_small, &mut place);
-            let weak = self.stratify(data, index, faint, weak, false, &mut place);
-            for piece in dark {
-                self.order[place as usize] = piece;
-                place += 1;
-            }
-            all.push(LightStrata { sampled, weak });
-        }
-        self.sum();
-        all
-    }
-
-    /// Puts pieces of a light into the order, stratum by stratum, and returns these.
-    fn stratify(
-        &mut self,
-        data: &SceneData,
-        index: usize,
-        pieces: Vec<u32>,
-        wanted: u32,
-        is_small: bool,
-        place: &mut u32,
-    ) -> Vec<(LightSample, LaneStratum)> {
-        if pieces.is_empty() || wanted == 0 {
-            for piece in pieces {
-                self.order[*place as usize] = piece;
-                *place += 1;
-            }
-            return Vec::new();
-        }
-        // Sort them.
-        let light = self.lights[index].clone();
-        let two_sided = self.material(data, &light).double_sided;
-        let middle = |&piece: &u32| {
-            let point = self.primitive(data, &light, piece).middle(self.pieces.cells[piece as usize]);
-            (piece, point.position, point.normal)
-        };
-        let middles: Vec<_> = pieces.iter().map(middle).collect();
-        let min = middles.iter().fold(Vec3::INFINITY, |min, (_, p, _)| min.min(*p));
-        let max = middles.iter().fold(Vec3::NEG_INFINITY, |max, (_, p, _)| max.max(*p));
-        let facing = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
-        let item = |(piece, position, normal): (u32, Vec3, Vec3)| {
-            let normal = if two_sided { upper(normal) } else { normal };
-            let weight = self.pieces.areas[piece as usize] * self.pieces.luminance[piece as usize];
-            Item::of_surface(position, normal, facing, weight, piece)
-        };
-        let mut items: Vec<Item> = middles.into_iter().map(item).collect();
-        let runs = stratify(&mut items, Count { wanted, most: MOST_STRATA * wanted, facing });
-        // Represent the whole by a point, or each run by a patch.
-        let bulb = if is_small { bulb(&items, facing, &self.pieces) } else { None };
-        let mut strata = Vec::with_capacity(runs.len());
-        if let Some(bulb) = &bulb {
-            let whole =
-                items.iter().map(|item| self.emission(data, &light, item.index) * self.area_of(item)).sum::<Vec3>();
-            let sample = Light::Point { position: bulb.middle, intensity_cd: 0.25 * whole, range: None };
-            let reach = Reach { radius: bulb.reach, spread: 0.0 };
-            let stratum = Stratum::Bulb(self.bulbs.len() as u32);
-            strata.push((LightSample::Punctual(sample), LaneStratum { stratum, reach }));
-            self.bulbs.push(*bulb);
-        }
-        for run in runs.into_iter().filter(|_| bulb.is_none()) {
-            let items = &items[run.start as usize..run.end as usize];
-            if let Some((patch, reach)) = self.represent(data, &light, items, facing) {
-                let stratum = Stratum::Area(self.strata.len() as u32);
-                strata.push((LightSample::Patch(patch), LaneStratum { stratum, reach }));
-                self.strata.push(*place + run.start..*place + run.end);
-            }
-        }
-        for item in items {
-            self.order[*place as usize] = item.index;
-            *place += 1;
-        }
-        strata
-    }
-
-    /// Returns a flat patch with the light of some pieces of a light, and how far they reach.
-    fn represent(&self, data: &SceneData, light: &AreaLight, items: &[Item], facing: f32) -> Option<(Patch, Reach)> {
-        let material = self.material(data, light);
-        // Average place, normal and emission.
-        let (mut position, mut normal, mut weight) = (Vec3::ZERO, Vec3::ZERO, 0.0);
-        let (mut intensity_cd, mut area) = (Vec3::ZERO, 0.0);
-        let origin = Vec3::from_slice(&items[0].at[..3]);
-        for item in items {
-            position += (Vec3::from_slice(&item.at[..3]) - origin) * item.weight;
-            normal += Vec3::from_slice(&item.at[3..]) * item.weight;
-            weight += item.weight;
-            let (piece_area, emission) = (self.area_of(item), self.emission(data, light, item.index));
-            intensity_cd += emission * piece_area;
-            area += piece_area;
-        }
-        if weight <= 0.0 || intensity_cd == Vec3::ZERO {
-            return None;
-        }
-        let (mut position, mut normal) = (origin + position / weight, normal / (weight * facing));
-        let has_front = normal.length() >= ONE_FRONT;
-        // Stay on a surface that is not flat: at any of its pieces, for those in the middle of each stratum would give
-        // too little light from the side.
-        let off = |item: &Item| (Vec3::from_slice(&item.at[..3]) - position).dot(normal).abs();
-        let is_flat = normal.length() > 0.9999 && items.iter().all(|item| off(item) < 1e-4 * facing);
-        if !is_flat {
-            let number = |item: &&Item| hash(seed_of_position(Vec3::from_slice(&item.at[..3])));
-            let any = items.iter().min_by_key(number)?;
-            (position, normal) = (Vec3::from_slice(&any.at[..3]), Vec3::from_slice(&any.at[3..]) / facing);
-        }
-        // What faces every way shines from both sides, each with half of the light.
-        let half = if has_front || material.double_sided { 1.0 } else { 0.5 };
-        let normal = normal.normalize_or(Vec3::Y);
-        let mut reach = Reach::default();
-        for item in items {
-            let (p, n) = (Vec3::from_slice(&item.at[..3]), Vec3::from_slice(&item.at[3..]) / facing);
-            reach.radius = reach.radius.max((p - position).length());
-            reach.spread = reach.spread.max((n - normal).length());
-        }
-        // The furthest piece is no point.
-        reach.radius += (2.0 * area / items.len() as f32).sqrt();
-        let patch = Patch {
-            position,
-            normal,
-            intensity_cd: intensity_cd * half,
-            area: area * half,
-            two_sided: material.double_sided || !has_front,
-        };
-        Some((patch, reach))
-    }
-}
-
-/// Returns n or −n, so that both sides of a surface have one normal.
-fn upper(n: Vec3) -> Vec3 {
-    let first = n.to_array().into_iter().find(|c| c.abs() > 1e-3).unwrap_or(1.0);
-    if first < 0.0 { -n } else { n }
 }
 
 #[cfg(test)]
@@ -466,6 +293,7 @@ mod tests {
 
     use glam::Affine3A;
 
+    use super::super::arrange::Arrangement;
     use super::*;
     use crate::geometry::{Sphere, TriangleMesh};
     use crate::sampling::chi_square::assert_follows;

@@ -12,6 +12,7 @@
 //! the others from their front. Unlit surfaces show and light nothing.
 
 mod area;
+mod arrange;
 mod bulb;
 mod emission_bounds;
 mod environment;
@@ -24,7 +25,7 @@ mod subdivision;
 mod surroundings;
 
 pub(crate) use area::AreaLights;
-use area::{Arrangement, LightStrata};
+use arrange::{Arrangement, LightStrata};
 pub(crate) use environment::EnvironmentLight;
 use glam::{Vec2, Vec3};
 use sphere::BallStrata;
