@@ -115,7 +115,8 @@ impl ShadingBatch {
                 // Without a usable point, trace shadow rays.
                 Reading::Unavailable => {
                     lights.set_receiver(vertex.position, falloff);
-                    let (seed, most) = (seed_of_position(vertex.position), fallback_rays(visibility, vertex));
+                    let (seed, most) =
+                        (seed_of_position(vertex.position), fallback_rays(visibility, vertex, scene.lights().len()));
                     let (sum, rays) = few_rays.irradiance(scene, &lights, falloff, vertex, most, seed);
                     *irradiance = sum;
                     *shadow_rays += rays;
@@ -164,7 +165,7 @@ impl ShadingBatch {
             }
 
             // Shade, and queue shadow rays.
-            let most = fallback_rays(visibility, vertex);
+            let most = fallback_rays(visibility, vertex, scene.lights().len());
             let shaded = |seed| Shaded {
                 scene,
                 falloff,
@@ -228,9 +229,11 @@ impl ShadingBatch {
 }
 
 /// Returns how many shadow rays a surface gets, at most, for which no mesh point is usable.
-fn fallback_rays(visibility: CornerVisibility, vertex: &ShadingPoint) -> u32 {
+fn fallback_rays(visibility: CornerVisibility, vertex: &ShadingPoint, lights: usize) -> u32 {
     match visibility {
         CornerVisibility::Stochastic | CornerVisibility::Deferred { finer: false } => FALLBACK_RAYS_OF_GATHER_HITS,
+        // A few lights have a ray each: choosing among them made a grainy patch under a ball.
+        _ if lights <= FALLBACK_RAYS as usize => FALLBACK_RAYS,
         CornerVisibility::All | CornerVisibility::Deferred { finer: true } => {
             let share = std::f32::consts::PI * vertex.weight.max_element();
             (share * FALLBACK_RAYS as f32).ceil().clamp(1.0, FALLBACK_RAYS as f32) as u32

@@ -46,7 +46,7 @@ impl RayEnd {
 /// against its direction, whose sign is that of `by`. 0 for what is behind it.
 #[inline(always)]
 fn seen_after(by: f32, axis: usize, direction: Vec3, end: &RayEnd) -> f32 {
-    let (sign, s, t) = (by.signum(), by.abs(), end.distance);
+    let (sign, s, t) = (by.signum(), by.abs(), end.distance.max(f32::MIN_POSITIVE));
     let along = sign * t * direction[axis];
     if along + s <= LEAST_HEIGHT * s {
         return 0.0;

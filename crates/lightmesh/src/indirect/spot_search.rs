@@ -171,7 +171,7 @@ fn ball(center: Vec3, lamp_radius: f32, met: &[(f32, f32)], probes: usize) -> Op
 fn contrast(shape: &SpotShape, distances: impl Iterator<Item = f32>) -> f32 {
     let SpotShape::Ball { radius, .. } = shape else { return 1.0 };
     let nearest = distances.fold(f32::INFINITY, f32::min);
-    (radius / nearest).powi(2).clamp(1.0, MOST_CONTRAST)
+    (radius / nearest.max(f32::MIN_POSITIVE)).powi(2).clamp(1.0, MOST_CONTRAST)
 }
 
 /// The spot around a shining surface, as where a panel lies in a can: a ball of what light from random points of it

@@ -20,6 +20,10 @@ const INSIDE: [Vec3; 6] = [
     Vec3::new(0.0, -0.8, 0.6),
 ];
 
+/// How far surfaces count, in spacings: what is a solid for a point that surfaces read has a side near it. The far side of
+/// a sky dome must not make all points in it points of a solid.
+const FAR: f32 = 256.0;
+
 /// Towards the neighbours, in the order of [`Clearance`].
 const SIDES: [Vec3; 6] = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
 
@@ -29,7 +33,7 @@ pub(crate) const PROBE_RAYS: u64 = (INSIDE.len() + SIDES.len()) as u64;
 /// Returns the clearance of a point at `x` up to its neighbours, `spacing` away (metres); `None` if it is inside a
 /// solid or on a surface.
 pub(crate) fn probe(scene: &Scene, x: Vec3, spacing: f32) -> Option<Clearance> {
-    if is_inside(scene, x, ON_SURFACE * spacing) {
+    if is_inside(scene, x, spacing) {
         return None;
     }
     Some(Clearance::new(SIDES.map(|side| {
@@ -49,13 +53,14 @@ fn closest_opaque(scene: &Scene, mut ray: Ray) -> Option<Hit> {
     }
 }
 
-/// Returns whether most of the surfaces that the point sees are back faces of one-sided ones, or it lies on a surface,
-/// no farther than `near` metres from it.
-fn is_inside(scene: &Scene, x: Vec3, near: f32) -> bool {
+/// Returns whether most of the surfaces that the point sees near it are back faces of one-sided ones, or it lies on a
+/// surface.
+fn is_inside(scene: &Scene, x: Vec3, spacing: f32) -> bool {
+    let near = ON_SURFACE * spacing;
     // Count the faces around the point.
     let (mut back, mut front) = (0, 0);
     for direction in INSIDE {
-        let mut ray = Ray::new(x - direction * near, direction);
+        let mut ray = Ray { t_max: FAR * spacing, ..Ray::new(x - direction * near, direction) };
         if 2 * front >= INSIDE.len() || scene.all_double_sided() {
             // It is not inside anything, but it may be on a surface.
             ray.t_max = 2.0 * near;
