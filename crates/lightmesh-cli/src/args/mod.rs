@@ -29,7 +29,8 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed while working; 2 bad input or usage; 130 interrupted.";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed while working; 2 bad input or usage; 3 the picture is written, but its \
+                          error is more than --error (with --strict); 130 interrupted.";
 
 /// What to do.
 #[derive(Debug, Subcommand)]

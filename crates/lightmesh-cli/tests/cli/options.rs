@@ -29,7 +29,7 @@ fn help_has_every_option_of_the_table() {
 /// Returns the page about options.
 fn page() -> String {
     let mut page = "# Options\n\n\
-        Every option of `lightmesh render`, of `Scene.render` and `LightMesh` in Python (with underscores for dashes), and of \
+        The options of a picture: of `lightmesh render`, of `Scene.render` and `LightMesh` in Python (with underscores for dashes), and of \
         `lightmesh farm`.\nThis page is written from the table of options in `crates/lightmesh/src/options/schema.rs`: \
         `WRITE_DOCS=1 cargo test -p lightmesh-cli --test cli options::` writes it.\n"
         .to_owned();

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::exact::ExactShader;
 use super::few_rays::FewRaysShader;
 use super::field::DirectField;
-use super::per_light::{PerLightShader, SamplingPolicy, Shaded, TrustAgreement};
+use super::per_light::{PerLightShader, Shaded};
 use super::plan::{LightingPlan, Shading};
 use super::read::Reading;
 use super::read_lights::LightsReading;
@@ -334,8 +334,7 @@ impl DirectLighting<'_, '_> {
             *step += started.elapsed().as_secs_f64();
             if !waiting {
                 let started = Instant::now();
-                if let Shading::PerLight { policy: SamplingPolicy { agreement: TrustAgreement::Yes, .. }, .. } = shading
-                {
+                if matches!(shading, Shading::PerLight { .. }) {
                     // What a ray takes from the estimate may be more than is there.
                     let direct = batches.iter_mut().flat_map(|batch| &mut batch.direct);
                     direct.for_each(|irradiance| *irradiance = irradiance.max(Vec3::ZERO));

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::point_block::PointBlock;
@@ -11,7 +12,7 @@ use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
-use crate::{Error, RenderOptions, RenderStats, Scene};
+use crate::{Error, Method, RenderOptions, RenderStats, Scene};
 
 /// Where the light at surface points comes from.
 pub(crate) enum Lighting<'a> {
@@ -164,10 +165,12 @@ fn add_indirect(
             field.estimate_unbiased(&mut direct, marks, &unresolved, paths)?
         }
     };
+    // What a ray corrects may be more than is there: that is noise, and only the expectation of *unbiased* needs it.
+    let least = if matches!(direct.options.method, Method::Unbiased { .. }) { Vec3::NEG_INFINITY } else { Vec3::ZERO };
     let mut irradiance = irradiance.into_iter();
     for block in blocks {
         for &i in &block.unresolved {
-            block.indirect[i as usize] = irradiance.next().unwrap_or_default();
+            block.indirect[i as usize] = irradiance.next().unwrap_or_default().max(least);
         }
     }
     direct.stats.seconds.shade += started.elapsed().as_secs_f64();

@@ -317,7 +317,7 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: SPACING,
             value_name: "METRES|1/K|auto",
             group: Group::Mesh,
-            help: "Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto: 1/64 of the room that the camera sees, up to 1/128 with fewer than 15 lights, and coarser away from it",
+            help: "Distance between mesh points: metres, 1/K of the longest edge of the scene's box, or auto: 1/64 of the room that the camera sees, up to 1/128 with fewer than 15 light samples (not with --method paper), and coarser away from it",
             methods: MESHES,
             ..About::PLAIN
         },

@@ -28,7 +28,8 @@ impl EmitterOptions {
                 kind: Kind::Whole(1, 1 << 16),
                 value_name: "N",
                 group: Group::Emitters,
-                help: "Light samples per emissive mesh, lamp with a radius and environment, 1 to 65536",
+                help: "Light samples of a usual lamp with a size and of a sky, 1 to 65536; small lamps get fewer, \
+                       those close to surfaces more",
                 ..About::PLAIN
             },
             get: |o| Some(Value::Whole(o.light_samples.into())),

@@ -72,9 +72,10 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the estimated error: with the noise of the estimate on top as far as paths did not resolve it.
+    /// Returns the estimated error: with the noise of the estimate on top as far as paths did not resolve it, and not less
+    /// than what that noise lets see.
     pub(super) fn error(&self) -> f64 {
-        (self.square.max(0.0) + self.unresolved).sqrt()
+        (self.square.max(self.deviation) + self.unresolved).sqrt()
     }
 
     /// Returns by how much the estimated error may be off: one standard deviation.
