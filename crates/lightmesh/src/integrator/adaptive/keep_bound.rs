@@ -2,7 +2,8 @@
 //! is good enough.
 //!
 //! 1. direct light by the cheapest policy within the bound (`error_bound.rs`), indirect light from the mesh;
-//! 2. more shadow rays, where direct light leaves too little of the bound to the rest;
+//! 2. more shadow rays, where direct light leaves too little of the bound to the rest, and if a ray to each light sample is
+//!    still too noisy, those of *hybrid*, which go where a window is;
 //! 3. gather rays at every surface, where it is the indirect light that is wrong;
 //! 4. gather rays that go on as paths, with the mesh as control variate, where reading it at the ends of gather rays is
 //!    what is wrong.
@@ -13,7 +14,7 @@
 use super::error_bound::choose_plan;
 use super::pilot::Pilot;
 use super::verify::{Comparison, Verification};
-use crate::direct::{Indirect, LightingPlan, Shading};
+use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading};
 use crate::{Error, ErrorEstimate};
 
 /// A more expensive plan that does not keep the bound either is taken where its mean square error is below this part of
@@ -76,6 +77,14 @@ pub(super) fn keep_bound(
             false => Shading::Exact,
         };
         try_plan(pilot, &mut best, LightingPlan { primary, ..first })?;
+    }
+
+    // A ray to each part of the sky is not many behind a window: *hybrid* shoots more to the parts that show there.
+    let has_noise = pilot.frame.scene.lights().has_strata() && best.found.direct > 0.5 * square;
+    if best.found.error() > bound && best.plan.primary == Shading::Exact && has_noise {
+        let primary = Shading::per_light(SamplingPolicy::HYBRID, pilot.frame.options);
+        let plan = LightingPlan { primary, ..best.plan };
+        try_plan(pilot, &mut best, plan)?;
     }
 
     // Gather at every surface, where more than the direct light is wrong.
