@@ -89,11 +89,11 @@ fn said(added: FirstLight, survey: &Survey) -> Option<String> {
         (FirstLight::Own, _) => return None,
         (FirstLight::Studio, false) => {
             "the file has no lights and nothing emits: lighting it by a soft environment, that of a studio \
-             (--environment black leaves it dark)"
+             (--environment with a colour or a picture is another sky, black leaves it dark)"
         }
         (FirstLight::Studio, true) => {
             "the file's own light hardly lights anything that the camera sees: adding a soft environment, that of a \
-             studio (--environment black leaves it out)"
+             studio (--environment with a colour or a picture is another sky, black leaves it out)"
         }
         (FirstLight::Headlight, _) => {
             "no light reaches the camera, and none can come in from outside: lighting what it sees by a lamp at the \
