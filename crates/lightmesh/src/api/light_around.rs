@@ -27,7 +27,7 @@ const LEAST: usize = 16;
 const FEW_SAMPLES: usize = 4;
 const SAMPLES: usize = 16;
 const MOST_NOISE: f32 = 0.06;
-/// Places whose indirect light is taken together.
+/// Places whose indirect light is taken together. This and the noise are judgements.
 const NEIGHBOURS: usize = 24;
 /// Shadow rays for direct light, at most.
 const MOST_RAYS: usize = 1 << 20;

@@ -47,7 +47,7 @@ const SKY_RAYS: RangeInclusive<f32> = 96.0..=448.0;
 const SKY_RAYS_PER_PART: f32 = 128.0;
 
 /// The most where it is only a guess that some of it may be visible: one ray that meets the rim of a window by chance
-/// brought a whole part's light, a bright dot on the floor.
+/// brought a whole part's light, a bright dot on the floor. Empirical.
 const SKY_RAYS_PER_RIM: f32 = 16.0;
 
 /// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of

@@ -232,7 +232,7 @@ impl ShadingBatch {
 fn fallback_rays(visibility: CornerVisibility, vertex: &ShadingPoint, lights: usize) -> u32 {
     match visibility {
         CornerVisibility::Stochastic | CornerVisibility::Deferred { finer: false } => FALLBACK_RAYS_OF_GATHER_HITS,
-        // A few lights have a ray each: choosing among them made a grainy patch under a ball.
+        // To choose among a few lights would save little, and add noise.
         _ if lights <= FALLBACK_RAYS as usize => FALLBACK_RAYS,
         CornerVisibility::All | CornerVisibility::Deferred { finer: true } => {
             let share = std::f32::consts::PI * vertex.weight.max_element();

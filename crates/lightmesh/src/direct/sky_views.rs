@@ -43,11 +43,11 @@ pub(super) struct SkyViews {
     most_bytes: u64,
 }
 
-/// Parts whose middles are no farther apart than so many times the sum of their radii are beside each other.
+/// Parts whose middles are no farther apart than so many times the sum of their radii are beside each other. A judgement.
 const BESIDE: f32 = 1.2;
 
 /// What is taken for visible, or hidden, of a part of which nothing else has been seen but which is beside others: the
-/// rim of a window.
+/// rim of a window. A judgement.
 const RIM: f32 = 0.02;
 
 impl SkyViews {

@@ -30,7 +30,7 @@ const LARGE: f32 = 0.7;
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
 const LEAST_NOISE: f32 = 0.1;
 
-/// Or where a single even ray that meets it brings this part of the light: a blob, however rare.
+/// Or where a single even ray that meets it brings this part of the light: a blob, however rare. Empirical.
 const LEAST_BLOB: f32 = 0.3;
 
 /// A ray that brings more than so many times the mean counts as so many in the first, low guess of all light: it may

@@ -18,10 +18,12 @@ use crate::Scene;
 use crate::geometry::Ray;
 use crate::mesh::sees;
 
-/// How much more of a grazed surface may be seen from where a face has been moved to.
+/// How much more of a grazed surface may be seen from where a face has been moved to. Empirical: with 2, and with one bound
+/// on the product of both factors, the living room had 8.3 and 8.1% error instead of 7.8%.
 const MOST_GAIN: f32 = 4.0;
 
-/// What is nearer to the plane of a moved face than so many of the metres by which it was moved is that plane.
+/// What is nearer to the plane of a moved face than this part of the way by which it was moved is that plane. A
+/// judgement: clearances are rounded to 1/255 of the spacing.
 const LEAST_HEIGHT: f32 = 0.05;
 
 /// Where a ray has met a surface.

@@ -26,7 +26,7 @@ const MOST_EMITTERS: usize = 64;
 /// The part of a lamp's rays that makes a spot.
 const LEAST_PART: f32 = 0.12;
 
-/// Surfaces in a ball are not taken for brighter than so many times their mean.
+/// Surfaces in a ball are not taken for brighter than so many times their mean. A judgement.
 const MOST_CONTRAST: f32 = 64.0;
 
 /// Light of a lamp at a surface more aslant than this is left to even rays: at a distance of 20 times the lamp's

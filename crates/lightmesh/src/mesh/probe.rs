@@ -21,7 +21,7 @@ const INSIDE: [Vec3; 6] = [
 ];
 
 /// How far surfaces count, in spacings: what is a solid for a point that surfaces read has a side near it. The far side of
-/// a sky dome must not make all points in it points of a solid.
+/// a sky dome must not make all points in it points of a solid. A judgement.
 const FAR: f32 = 256.0;
 
 /// Towards the neighbours, in the order of [`Clearance`].
