@@ -1,5 +1,7 @@
 //! The direct field: formula (1) at mesh points and formula (3g) over them.
 
+use glam::Vec3;
+
 use super::encoding::{DirectEncoding, LightRuns};
 use super::region_cuts::RegionCuts;
 use super::sky_views::SkyViews;
@@ -34,6 +36,11 @@ impl DirectField {
         let points = Points::new(levels, interpolator);
         let sky = SkyViews::new(scene, options.limits.max_memory);
         Ok(Self { points, encoding, lights, sky, max_memory: options.limits.max_memory })
+    }
+
+    /// Returns a number that positions share which are shaded with the same points or lights.
+    pub(super) fn place(&self, p: Vec3) -> u64 {
+        if self.lights.has_clusters() { self.lights.region(p) } else { self.points.place(p) }
     }
 
     /// Returns the number of points, and their memory.

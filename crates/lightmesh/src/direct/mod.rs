@@ -1,6 +1,6 @@
 //! Direct light: formula (1) at mesh points, formula (3g) over them, and shadow rays where they do not suffice.
 
-mod by_region;
+mod by_place;
 pub(crate) mod encoding;
 mod exact;
 mod few_rays;
@@ -18,6 +18,7 @@ mod sky_views;
 mod visibility_estimate;
 
 pub use encoding::DirectValues;
+pub(crate) use by_place::{CHUNK, PlacedVertex, sort_by_place};
 pub(crate) use exact::ExactShader;
 pub(crate) use field::DirectField;
 pub(crate) use per_light::{SamplingPolicy, TrustAgreement};

@@ -275,9 +275,9 @@ impl DirectLighting<'_, '_> {
         visibility: CornerVisibility,
         batches: &mut [&mut ShadingBatch],
     ) -> Result<ShadingSeconds, Error> {
-        let is_per_light = matches!(self.plan.shading(visibility), Shading::PerLight { .. } | Shading::Unbiased { .. });
-        if is_per_light && visibility == CornerVisibility::Stochastic && self.field.lights().has_clusters() {
-            return self.shade_by_region(visibility, batches);
+        // Of gather hits only the sum counts, and neighbours come from all over.
+        if visibility == CornerVisibility::Stochastic && self.plan.shading(visibility) != Shading::Exact {
+            return self.shade_by_place(visibility, batches);
         }
         self.shade_together(visibility, batches)
     }

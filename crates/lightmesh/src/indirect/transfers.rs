@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::field::IndirectField;
 use super::gather::GatherRays;
 use super::probing::Marked;
+use crate::direct::{CHUNK, PlacedVertex, sort_by_place};
 use crate::mesh::{CornerVisibility, Marks, ReadResult, Slot, choose};
 use crate::sampling::seed_of_position;
 use crate::{Error, Scene};
@@ -31,13 +32,17 @@ impl Transfer {
     pub(super) const NO_POINT: u32 = u32::MAX;
 }
 
-/// The transfers of one point.
+/// From where the surfaces at some hits get their light, and what it took to find out.
 #[derive(Debug, Default)]
-struct TransferList {
-    transfers: Vec<Transfer>,
-    /// Whether every hit could read its point.
-    complete: bool,
+struct Choices {
+    /// By hit, as [`Transfer::from`], or its packed slot; [`Choices::PENDING`] where points must be probed first.
+    from: Vec<u32>,
     visibility_rays: u64,
+}
+
+impl Choices {
+    /// The packed slot of a point inside a solid, which no hit reads.
+    const PENDING: u32 = Transfer::NO_POINT - 1;
 }
 
 /// The light of the points that are being filled, before it is summed bounce by bounce.
@@ -83,61 +88,73 @@ impl IndirectField {
             pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
+        // Choose a point for every hit, place by place, and mark it if it has no values, until no hit has to wait.
+        let order = sort_by_place(batch.iter().map(|gather| gather.hits.vertices.as_slice()), |p| self.points.place(p));
+        let wait = |hits: &[PlacedVertex]| Choices { from: vec![Choices::PENDING; hits.len()], visibility_rays: 0 };
+        let mut choices: Vec<Choices> = order.chunks(CHUNK).map(wait).collect();
         let mut rays = 0;
-        let mut lists: Vec<TransferList> = batch.iter().map(|_| TransferList::default()).collect();
         loop {
-            // Choose a point for every hit, and mark it if it has no values; lists with empty points are made again.
             let field = &*self;
-            batch.par_iter().zip(&mut lists).filter(|(_, list)| !list.complete).for_each(|(gather, list)| {
-                field.choose_points(scene, marks, gather, list);
+            order.par_chunks(CHUNK).zip(&mut choices).for_each(|(hits, choices)| {
+                field.choose_points(scene, marks, batch, hits, choices);
             });
-            let is_complete = lists.iter().all(|list| list.complete);
+            let is_complete = !choices.iter().any(|choices| choices.from.contains(&Choices::PENDING));
             // Add the points that are missing.
             rays += self.probe(scene, marks, Marked::ToRead, first)?;
             if is_complete {
                 break;
             }
         }
-        rays += lists.iter().map(|list| list.visibility_rays).sum::<u64>();
+        rays += choices.iter().map(|choices| choices.visibility_rays).sum::<u64>();
 
         // All have their index now.
-        let points = &self.points;
-        lists.par_iter_mut().flat_map_iter(|list| &mut list.transfers).for_each(|transfer| {
-            if let Slot::Probed(index) = Slot::unpack(transfer.from)
-                && let Slot::Filled(filled) = points.slot(points.probed_address(index))
-            {
-                transfer.from = filled;
-            }
-        });
-        pending.transfers.extend(lists.into_iter().map(|list| list.transfers));
+        let no_points = |gather: &GatherRays| vec![Transfer::NO_POINT; gather.hits.vertices.len()];
+        let mut from: Vec<Vec<u32>> = batch.iter().map(no_points).collect();
+        for (hit, &chosen) in order.iter().zip(choices.iter().flat_map(|choices| &choices.from)) {
+            from[hit.list as usize][hit.index as usize] = self.points.filled(chosen)
+        }
+        let lists = batch.iter().zip(from).map(|(gather, from)| transfers(gather, &from));
+        pending.transfers.extend(lists);
         Ok(rays)
     }
 
-    /// Chooses a point for every hit of a point's rays. Those without values are marked.
-    fn choose_points(&self, scene: &Scene, marks: &Marks, gather: &GatherRays, list: &mut TransferList) {
+    /// Chooses a point for each of some hits that has none yet. Those without values are marked.
+    fn choose_points(
+        &self,
+        scene: &Scene,
+        marks: &Marks,
+        batch: &[GatherRays],
+        hits: &[PlacedVertex],
+        choices: &mut Choices,
+    ) {
         let mut reader = self.points.corner_reader(scene, CornerVisibility::Stochastic);
         let mut corners = Vec::with_capacity(8);
-        list.transfers.clear();
-        list.transfers.reserve(gather.hits.vertices.len());
-        list.complete = true;
-        for hit in &gather.hits.vertices {
+        for (place, from) in hits.iter().zip(&mut choices.from).filter(|(_, from)| **from == Choices::PENDING) {
+            let hit = &batch[place.list as usize].hits.vertices[place.index as usize];
             corners.clear();
-            let from = match reader.read(hit, marks, |index, weight| corners.push((index, weight))) {
+            *from = match reader.read(hit, marks, |index, weight| corners.push((index, weight))) {
                 ReadResult::Value => choose(corners.iter().copied(), seed_of_position(hit.position)),
                 ReadResult::Unavailable => Transfer::NO_POINT,
-                ReadResult::Pending => {
-                    list.complete = false;
-                    continue;
-                }
+                ReadResult::Pending => continue,
             };
-            if let Slot::Probed(index) = Slot::unpack(from) {
+            if let Slot::Probed(index) = Slot::unpack(*from) {
                 self.points.mark(self.points.probed_address(index), marks);
             }
-            let lobe = gather.lobes[hit.id as usize];
-            list.transfers.push(Transfer { from, n: hit.n, weight: hit.weight, lobe });
         }
-        // Those without a point first. Stable: the sums keep the order of the rays.
-        list.transfers.sort_by_key(|t| t.from != Transfer::NO_POINT);
-        list.visibility_rays += reader.visibility_rays();
+        choices.visibility_rays += reader.visibility_rays();
     }
+}
+
+/// Returns the transfers of a point, whose hits read the points `from`.
+fn transfers(gather: &GatherRays, from: &[u32]) -> Vec<Transfer> {
+    let mut transfers: Vec<Transfer> = gather
+        .hits
+        .vertices
+        .iter()
+        .zip(from)
+        .map(|(hit, &from)| Transfer { from, n: hit.n, weight: hit.weight, lobe: gather.lobes[hit.id as usize] })
+        .collect();
+    // Those without a point first. Stable: the sums keep the order of the rays.
+    transfers.sort_by_key(|t| t.from != Transfer::NO_POINT);
+    transfers
 }

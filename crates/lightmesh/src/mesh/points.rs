@@ -186,10 +186,25 @@ impl Points {
         self.level(address.level).slot(address.coordinate)
     }
 
+    /// Returns a number by which positions can be sorted so that those of a cell, and cells of a brick, follow each other.
+    pub(crate) fn place(&self, p: Vec3) -> u64 {
+        let level = self.first_level(p);
+        let (brick, local) = lattice::split(self.level(level).lattice.cell(p).0);
+        (brick << 9 | local as u64) ^ u64::from(level) << 60
+    }
+
     /// Marks a point.
     pub(crate) fn mark(&self, address: Address, marks: &Marks) {
         let (brick, local) = lattice::split(address.coordinate);
         marks.set(address.level, brick, local);
+    }
+
+    /// Returns the index of a point that readers know by its packed slot, if it has got its values since.
+    pub(crate) fn filled(&self, packed: u32) -> u32 {
+        match Slot::unpack(packed) {
+            Slot::Probed(index) => self.slot(self.probed_address(index)).pack(),
+            _ => packed,
+        }
     }
 
     /// Returns where a vertex reads: the finest level that gives it half of its light or more, and the cell there.
