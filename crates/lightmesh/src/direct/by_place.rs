@@ -1,10 +1,11 @@
-//! Shading the hits of many gather rays place by place.
+//! Vertices from all over the scene, as gather rays find them, sorted by place.
 //!
 //! The rays of one mesh point end all over the scene: nearly every hit is in a cell of its own, whose corners must be
 //! looked up, and in a region of its own, where lights are clusters, whose lights must be packed. The hits of some hundred
 //! points share them.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::shading::{DirectLighting, ShadingBatch, ShadingSeconds};
 use crate::Error;
@@ -12,66 +13,88 @@ use crate::interaction::ShadingPoint;
 use crate::mesh::CornerVisibility;
 
 /// Vertices that are handled together: of few places, and enough batches for many threads.
-pub(crate) const CHUNK: usize = 2048;
+const CHUNK: usize = 2048;
 
-/// One vertex of many lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct PlacedVertex {
-    place: u64,
-    pub list: u32,
-    pub index: u32,
+/// The vertices of some lists, those of one place one after the other. Each gets the light that it would get in any other
+/// order.
+#[derive(Debug, Default)]
+pub(crate) struct PlacedVertices {
+    /// Where each comes from: number of the list, index in it.
+    sources: Vec<(u32, u32)>,
+    chunks: Vec<ShadingBatch>,
 }
 
-/// Returns the vertices of some lists sorted by place: those of one place follow each other.
-pub(crate) fn sort_by_place<'a>(
-    lists: impl Iterator<Item = &'a [ShadingPoint]>,
-    place: impl Fn(Vec3) -> u64,
-) -> Vec<PlacedVertex> {
-    let mut sorted = Vec::new();
-    for (list, vertices) in lists.zip(0..).map(|(vertices, list)| (list, vertices)) {
-        let placed =
-            vertices.iter().zip(0..).map(|(v, index)| PlacedVertex { place: place(v.position), list, index });
-        sorted.extend(placed);
+impl PlacedVertices {
+    /// Copies the vertices of some lists; `place` is a number that those at one place share.
+    pub(crate) fn sort<'a>(
+        lists: impl Iterator<Item = &'a [ShadingPoint]> + Clone,
+        place: impl Fn(Vec3) -> u64,
+    ) -> Self {
+        // Sort numbers of 64 bits: the place, and below it the vertex' number.
+        let mut vertices = Vec::new();
+        for (list, number) in lists.zip(0..) {
+            vertices.extend(list.iter().zip(0..).map(|(vertex, index)| (vertex, (number, index))));
+        }
+        let key = |(&(vertex, _), i): (&(&ShadingPoint, _), u64)| fold(place(vertex.position)) << 32 | i;
+        let mut order: Vec<u64> = vertices.iter().zip(0..).map(key).collect();
+        order.sort_unstable();
+        order.iter_mut().for_each(|key| *key &= u64::from(u32::MAX));
+
+        // Copy them in that order.
+        let copy = |chunk: &[u64]| {
+            let mut batch = ShadingBatch::default();
+            batch.vertices.extend(chunk.iter().map(|&i| vertices[i as usize].0));
+            batch
+        };
+        Self {
+            sources: order.iter().map(|&i| vertices[i as usize].1).collect(),
+            chunks: order.par_chunks(CHUNK).map(copy).collect(),
+        }
     }
-    sorted.sort_unstable();
-    sorted
+
+    /// The vertices, some at a time.
+    pub(crate) fn chunks(&self) -> impl IndexedParallelIterator<Item = &[ShadingPoint]> {
+        self.chunks.par_iter().map(|chunk| chunk.vertices.as_slice())
+    }
+
+    /// Where they come from, in the order of [`Self::chunks`]: number of the list, index in it.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.sources.iter().map(|&(list, index)| (list as usize, index as usize))
+    }
+
+    /// Copies their light to where they come from.
+    fn put_back(&self, lists: &mut [&mut ShadingBatch]) {
+        for list in lists.iter_mut() {
+            list.direct.clear();
+            list.direct.resize(list.vertices.len(), Vec3::ZERO);
+        }
+        let irradiance = self.chunks.iter().flat_map(|chunk| &chunk.direct);
+        for ((list, index), &irradiance) in self.sources().zip(irradiance) {
+            lists[list].direct[index] = irradiance;
+        }
+    }
+}
+
+/// Returns 32 bits of a place: of those of a brick, the lower nine stay.
+fn fold(place: u64) -> u64 {
+    // 2⁶⁴ / golden ratio, odd.
+    (place >> 9).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 41 << 9 | place & 511
 }
 
 impl DirectLighting<'_, '_> {
-    /// Shades the vertices of the batches, of which each has the light that it would have in any other order.
+    /// [`DirectLighting::shade`] for the sorted vertices of some lists, and for these lists.
     ///
     /// # Errors
     /// As [`DirectLighting::shade`].
-    pub(super) fn shade_by_place(
+    pub(crate) fn shade_placed(
         &mut self,
         visibility: CornerVisibility,
-        batches: &mut [&mut ShadingBatch],
+        placed: &mut PlacedVertices,
+        lists: &mut [&mut ShadingBatch],
     ) -> Result<ShadingSeconds, Error> {
-        // Sort all vertices by place.
-        let field = &*self.field;
-        let order = sort_by_place(batches.iter().map(|batch| batch.vertices.as_slice()), |p| field.place(p));
-
-        // Shade them.
-        let gathered = |chunk: &[PlacedVertex]| {
-            let mut gathered = ShadingBatch::default();
-            let vertices = chunk.iter().map(|v| batches[v.list as usize].vertices[v.index as usize]);
-            gathered.vertices.extend(vertices);
-            gathered
-        };
-        let mut chunks: Vec<ShadingBatch> = order.chunks(CHUNK).map(gathered).collect();
-        let seconds = self.shade_together(visibility, &mut chunks.iter_mut().collect::<Vec<_>>())?;
-
-        // Put their light where it belongs.
-        for batch in batches.iter_mut() {
-            batch.direct.clear();
-            batch.direct.resize(batch.vertices.len(), Vec3::ZERO);
-        }
-        for (vertices, mut chunk) in order.chunks(CHUNK).zip(chunks) {
-            for (vertex, &irradiance) in vertices.iter().zip(&chunk.direct) {
-                batches[vertex.list as usize].direct[vertex.index as usize] = irradiance;
-            }
-            chunk.take_counts(self.stats);
-        }
+        let seconds = self.shade_together(visibility, &mut placed.chunks.iter_mut().collect::<Vec<_>>())?;
+        placed.put_back(lists);
+        placed.chunks.iter_mut().for_each(|chunk| chunk.take_counts(self.stats));
         Ok(seconds)
     }
 }

@@ -39,7 +39,7 @@ impl DirectField {
     }
 
     /// Returns a number that positions share which are shaded with the same points or lights.
-    pub(super) fn place(&self, p: Vec3) -> u64 {
+    pub(crate) fn place(&self, p: Vec3) -> u64 {
         if self.lights.has_clusters() { self.lights.region(p) } else { self.points.place(p) }
     }
 

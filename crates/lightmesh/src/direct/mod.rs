@@ -17,8 +17,8 @@ mod shading;
 mod sky_views;
 mod visibility_estimate;
 
+pub(crate) use by_place::PlacedVertices;
 pub use encoding::DirectValues;
-pub(crate) use by_place::{CHUNK, PlacedVertex, sort_by_place};
 pub(crate) use exact::ExactShader;
 pub(crate) use field::DirectField;
 pub(crate) use per_light::{SamplingPolicy, TrustAgreement};

@@ -6,6 +6,7 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::by_place::PlacedVertices;
 use super::exact::ExactShader;
 use super::few_rays::FewRaysShader;
 use super::field::DirectField;
@@ -277,7 +278,9 @@ impl DirectLighting<'_, '_> {
     ) -> Result<ShadingSeconds, Error> {
         // Of gather hits only the sum counts, and neighbours come from all over.
         if visibility == CornerVisibility::Stochastic && self.plan.shading(visibility) != Shading::Exact {
-            return self.shade_by_place(visibility, batches);
+            let lists = batches.iter().map(|batch| batch.vertices.as_slice());
+            let mut placed = PlacedVertices::sort(lists, |p| self.field.place(p));
+            return self.shade_placed(visibility, &mut placed, batches);
         }
         self.shade_together(visibility, batches)
     }

@@ -99,7 +99,8 @@ impl GatherBatch {
         gathers.resize_with(own, GatherRays::default);
         for (batch, first) in gathers.chunks_mut(POINTS_AT_ONCE).zip((0..).step_by(POINTS_AT_ONCE)) {
             field.shoot_rays(scene, options, first, &directions, batch);
-            let secondary = field.find_transfers(scene, &mut marks, batch, 0, &mut pending)?;
+            let hits = field.place_hits(batch, |p| field.points().place(p));
+            let secondary = field.find_transfers(scene, &mut marks, (batch, &hits), 0, &mut pending)?;
             let shot: u64 = batch.iter_mut().map(|gather| std::mem::take(&mut gather.rays)).sum();
             (rays.secondary, rays.gather) = (rays.secondary + secondary, rays.gather + shot);
             reporter.add(batch.len() as u64, shot + secondary);
@@ -166,7 +167,8 @@ impl GatherBatch {
         let (field, marks, plan) = (&mut mesh.direct, &mut marks, LightingPlan::of(options));
         let mut direct = DirectLighting { scene, options, plan, field, marks, reporter: &reporter, stats: &mut stats };
         for batch in std::mem::take(&mut self.gathers).chunks_mut(POINTS_AT_ONCE) {
-            self.field.sum_hits(&mut direct, batch, &mut self.pending)?;
+            let mut hits = self.field.place_hits(batch, |p| direct.field.place(p));
+            self.field.sum_hits(&mut direct, batch, &mut hits, &mut self.pending)?;
             reporter.add(batch.len() as u64, 0);
         }
         self.rays += stats.rays;

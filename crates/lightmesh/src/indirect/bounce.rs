@@ -11,7 +11,7 @@ use super::gather::{GatherRays, seed_of_point, sphere_directions};
 use super::guided::GuidedRays;
 use super::probing::Marked;
 use super::transfers::{PendingLight, Transfer};
-use crate::direct::DirectLighting;
+use crate::direct::{DirectLighting, PlacedVertices};
 use crate::mesh::{AmbientCube, CornerVisibility, Costs, Marks, Points};
 use crate::{Error, RenderOptions, Scene};
 
@@ -66,8 +66,9 @@ impl IndirectField {
             gathers.resize_with(gathers.len().max(end - next), GatherRays::default);
             let batch = &mut gathers[..end - next];
             self.shoot_rays(scene, direct.options, next, &directions, batch);
-            self.sum_hits(direct, batch, &mut pending)?;
-            direct.stats.rays.secondary += self.find_transfers(scene, marks, batch, first, &mut pending)?;
+            let mut hits = self.place_hits(batch, |p| direct.field.place(p));
+            self.sum_hits(direct, batch, &mut hits, &mut pending)?;
+            direct.stats.rays.secondary += self.find_transfers(scene, marks, (batch, &hits), first, &mut pending)?;
             next = end;
             if direct.reporter.cancelled() {
                 return Err(Error::Cancelled);
@@ -119,17 +120,26 @@ impl IndirectField {
         std::array::from_fn(|face| parts[face ^ 1].map_or(0.0, |part| part * spacing))
     }
 
+    /// Sorts the hits whose light rays bring; `place` is a number that those at one place share.
+    pub(crate) fn place_hits(&self, batch: &[GatherRays], place: impl Fn(Vec3) -> u64) -> PlacedVertices {
+        if !self.reflects_light() {
+            return PlacedVertices::default();
+        }
+        PlacedVertices::sort(batch.iter().map(|gather| gather.hits.vertices.as_slice()), place)
+    }
+
     /// Sums the emission that gather rays meet, and the direct light that is reflected where they end.
     pub(crate) fn sum_hits(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         batch: &mut [GatherRays],
+        hits: &mut PlacedVertices,
         pending: &mut PendingLight,
     ) -> Result<(), Error> {
         // Light the hits from the direct mesh.
         if self.reflects_light() {
             let mut lists: Vec<_> = batch.iter_mut().map(|gather| &mut gather.hits).collect();
-            let seconds = direct.shade(CornerVisibility::Stochastic, &mut lists)?;
+            let seconds = direct.shade_placed(CornerVisibility::Stochastic, hits, &mut lists)?;
             direct.stats.seconds.fill_direct += seconds.fill;
         }
         let guided = self.guide(direct, batch)?;

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use super::field::IndirectField;
 use super::gather::GatherRays;
 use super::probing::Marked;
-use crate::direct::{CHUNK, PlacedVertex, sort_by_place};
+use crate::direct::PlacedVertices;
+use crate::interaction::ShadingPoint;
 use crate::mesh::{CornerVisibility, Marks, ReadResult, Slot, choose};
 use crate::sampling::seed_of_position;
 use crate::{Error, Scene};
@@ -79,7 +80,7 @@ impl IndirectField {
         &mut self,
         scene: &Scene,
         marks: &mut Marks,
-        batch: &mut [GatherRays],
+        (batch, hits): (&[GatherRays], &PlacedVertices),
         first: usize,
         pending: &mut PendingLight,
     ) -> Result<u64, Error> {
@@ -88,15 +89,14 @@ impl IndirectField {
             pending.transfers.resize_with(pending.transfers.len() + batch.len(), Vec::new);
             return Ok(0);
         }
-        // Choose a point for every hit, place by place, and mark it if it has no values, until no hit has to wait.
-        let order = sort_by_place(batch.iter().map(|gather| gather.hits.vertices.as_slice()), |p| self.points.place(p));
-        let wait = |hits: &[PlacedVertex]| Choices { from: vec![Choices::PENDING; hits.len()], visibility_rays: 0 };
-        let mut choices: Vec<Choices> = order.chunks(CHUNK).map(wait).collect();
+        // Choose a point for every hit, and mark it if it has no values, until no hit has to wait.
+        let wait = |hits: &[ShadingPoint]| Choices { from: vec![Choices::PENDING; hits.len()], visibility_rays: 0 };
+        let mut choices: Vec<Choices> = hits.chunks().map(wait).collect();
         let mut rays = 0;
         loop {
             let field = &*self;
-            order.par_chunks(CHUNK).zip(&mut choices).for_each(|(hits, choices)| {
-                field.choose_points(scene, marks, batch, hits, choices);
+            hits.chunks().zip(&mut choices).for_each(|(hits, choices)| {
+                field.choose_points(scene, marks, hits, choices);
             });
             let is_complete = !choices.iter().any(|choices| choices.from.contains(&Choices::PENDING));
             // Add the points that are missing.
@@ -110,8 +110,8 @@ impl IndirectField {
         // All have their index now.
         let no_points = |gather: &GatherRays| vec![Transfer::NO_POINT; gather.hits.vertices.len()];
         let mut from: Vec<Vec<u32>> = batch.iter().map(no_points).collect();
-        for (hit, &chosen) in order.iter().zip(choices.iter().flat_map(|choices| &choices.from)) {
-            from[hit.list as usize][hit.index as usize] = self.points.filled(chosen)
+        for ((list, index), &chosen) in hits.sources().zip(choices.iter().flat_map(|choices| &choices.from)) {
+            from[list][index] = self.points.filled(chosen);
         }
         let lists = batch.iter().zip(from).map(|(gather, from)| transfers(gather, &from));
         pending.transfers.extend(lists);
@@ -119,18 +119,10 @@ impl IndirectField {
     }
 
     /// Chooses a point for each of some hits that has none yet. Those without values are marked.
-    fn choose_points(
-        &self,
-        scene: &Scene,
-        marks: &Marks,
-        batch: &[GatherRays],
-        hits: &[PlacedVertex],
-        choices: &mut Choices,
-    ) {
+    fn choose_points(&self, scene: &Scene, marks: &Marks, hits: &[ShadingPoint], choices: &mut Choices) {
         let mut reader = self.points.corner_reader(scene, CornerVisibility::Stochastic);
         let mut corners = Vec::with_capacity(8);
-        for (place, from) in hits.iter().zip(&mut choices.from).filter(|(_, from)| **from == Choices::PENDING) {
-            let hit = &batch[place.list as usize].hits.vertices[place.index as usize];
+        for (hit, from) in hits.iter().zip(&mut choices.from).filter(|(_, from)| **from == Choices::PENDING) {
             corners.clear();
             *from = match reader.read(hit, marks, |index, weight| corners.push((index, weight))) {
                 ReadResult::Value => choose(corners.iter().copied(), seed_of_position(hit.position)),
@@ -147,14 +139,17 @@ impl IndirectField {
 
 /// Returns the transfers of a point, whose hits read the points `from`.
 fn transfers(gather: &GatherRays, from: &[u32]) -> Vec<Transfer> {
-    let mut transfers: Vec<Transfer> = gather
-        .hits
-        .vertices
-        .iter()
-        .zip(from)
-        .map(|(hit, &from)| Transfer { from, n: hit.n, weight: hit.weight, lobe: gather.lobes[hit.id as usize] })
-        .collect();
-    // Those without a point first. Stable: the sums keep the order of the rays.
-    transfers.sort_by_key(|t| t.from != Transfer::NO_POINT);
+    let hits = gather.hits.vertices.iter().zip(from);
+    let transfer = |(hit, &from): (&ShadingPoint, &u32)| Transfer {
+        from,
+        n: hit.n,
+        weight: hit.weight,
+        lobe: gather.lobes[hit.id as usize],
+    };
+    // Those without a point first; the sums keep the order of the rays.
+    let has_none = |from: u32| from == Transfer::NO_POINT;
+    let mut transfers = Vec::with_capacity(from.len());
+    transfers.extend(hits.clone().filter(|(_, from)| has_none(**from)).map(transfer));
+    transfers.extend(hits.filter(|(_, from)| !has_none(**from)).map(transfer));
     transfers
 }
