@@ -141,18 +141,18 @@ fn triangle_interaction<'a>(
     let ng = if front { outward } else { -outward };
 
     // Interpolate normal, colour and texture coordinates.
-    let n = if mesh.normals.is_empty() {
-        ng
-    } else {
-        let object =
-            mesh.normals[corners[0]] * b[0] + mesh.normals[corners[1]] * b[1] + mesh.normals[corners[2]] * b[2];
-        facing((frame.normal_from_object * object * frame.handedness).normalize_or(ng), -ray.direction)
-    };
-    let bulge = if n.dot(ng) > FLAT {
-        Vec3::ZERO
-    } else {
-        bulge(position, p, corners.map(|i| facing(frame.normal_from_object * mesh.normals[i], ng)), b)
-    };
+    let (mut n, mut bulge) = (ng, Vec3::ZERO);
+    if !mesh.normals.is_empty() {
+        let mut normals = corners.map(|i| mesh.normals[i]);
+        if !frame.is_identity {
+            normals = normals.map(|n| frame.normal_from_object * n * frame.handedness);
+        }
+        let interpolated = normals[0] * b[0] + normals[1] * b[1] + normals[2] * b[2];
+        n = facing(interpolated.normalize_or(ng), -ray.direction);
+        if n.dot(ng) <= FLAT {
+            bulge = height_of_bulge(position, p, normals.map(|n| facing(n, ng)), b);
+        }
+    }
     let color = if mesh.colors.is_empty() {
         Vec4::ONE
     } else {
@@ -207,7 +207,7 @@ fn rounded_coordinate(scene: &Scene, instance: u32, corners: [usize; 3], positio
 /// Returns how far a point of a triangle is from the curved surface that its corners' normals pretend: by the planes
 /// through the corners that are above it, weighted as the corners are (Hanika, "Hacking the Shadow Terminator", Ray
 /// Tracing Gems II, 2021, ch. 4, listing 4-1).
-fn bulge(point: Vec3, corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+fn height_of_bulge(point: Vec3, corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     let above = |i: usize| {
         // Of any length: a root for each hit took time.
         let n = normals[i];
