@@ -24,7 +24,7 @@ const FINEST: u32 = 32;
 const LIGHTS: usize = 128;
 const LEAST: usize = 16;
 /// Samples of the light at each place, with few lamps; and how many where fewer have more noise than a part of all light.
-const FEW_SAMPLES: usize = 4;
+const FEW_SAMPLES: usize = 2;
 const SAMPLES: usize = 16;
 const MOST_NOISE: f32 = 0.06;
 /// Places whose indirect light is taken together. This and the noise are judgements.

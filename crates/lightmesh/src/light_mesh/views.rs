@@ -26,6 +26,10 @@ const MISSED: f32 = 1.04;
 /// Surfaces that a ray may pass through.
 const PASSES: u32 = 8;
 
+/// A room of this part of the scene's longest edge counts as as long. A judgement: with the scene's edge for that of its
+/// views, Sponza has 8% fewer points.
+const ROOM: f32 = 0.9;
+
 /// The part of a picture that is near. Empirical, as is what follows.
 const NEAR: f32 = 0.8;
 
@@ -81,7 +85,12 @@ pub(super) fn focus(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) 
     for axis in 0..3 {
         (min[axis], max[axis]) = extent(seen.iter().map(|seen| seen.position[axis]).collect());
     }
-    let longest = MISSED * (max - min).max_element();
+    let mut longest = MISSED * (max - min).max_element();
+    // Nearly all of the scene is all of it: its spacing is the same in every picture.
+    let whole = scene.bounds().size().max_element();
+    if longest >= ROOM * whole {
+        longest = longest.max(whole);
+    }
     let rays = (RAYS[0] * RAYS[1]) as f32 * cameras.len() as f32;
     let finest = PIXELS * (rays / pixels.len() as f32 - 1.0).max(0.0).sqrt() * quantile(&mut pixels, NEAREST)?;
     Focus::on(&Aabb { min, max }, longest.max(finest * Spacing::AUTO).min(longest * COARSEST))
