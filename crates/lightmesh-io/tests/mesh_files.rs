@@ -15,6 +15,10 @@ const METHODS: [Method; 4] = [Method::MESH, Method::PAPER, Method::Hybrid, Metho
 
 /// A ball on a floor under so many lamps.
 fn scene(lamps: u16) -> Scene {
+    Scene::new(under_lamps(lamps)).expect("scene")
+}
+
+fn under_lamps(lamps: u16) -> SceneData {
     let floor = TriangleMesh {
         positions: vec![Vec3::ZERO, Vec3::new(0.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 4.0), Vec3::new(4.0, 0.0, 0.0)],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -25,15 +29,21 @@ fn scene(lamps: u16) -> Scene {
         intensity_cd: Vec3::new(30.0, 20.0, 10.0) / f32::from(lamps),
         range: None,
     };
-    Scene::new(SceneData {
+    SceneData {
         meshes: vec![floor],
         instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
         spheres: vec![Sphere { center: Vec3::new(2.0, 0.5, 2.0), radius: 0.5, material: 0 }],
         materials: vec![Material::lambert(Vec3::splat(0.7))],
         lights: (0..lamps).map(lamp).collect(),
         ..SceneData::default()
-    })
-    .expect("scene")
+    }
+}
+
+/// The same in sunshine, which points keep for itself.
+fn sunny_scene() -> Scene {
+    let mut data = under_lamps(3);
+    data.lights.push(Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::splat(5.0) });
+    Scene::new(data).expect("scene")
 }
 
 fn options(method: Method, bounces: u32) -> RenderOptions {
@@ -90,6 +100,11 @@ fn what_is_written_is_read_bit_for_bit() {
             assert!(shown == picture(&scene, elsewhere, &options, &mut own), "{method:?} {lamps}");
         }
     }
+    let (scene, options) = (sunny_scene(), options(Method::MESH, 2));
+    let file = filled(&scene, &options);
+    assert!(matches!(file.contents.direct.values, DirectValues::SixAxisParts(_)));
+    write_mesh(&path, &file).expect("written");
+    assert!(read_mesh(&path, MEMORY).expect("read") == file);
     assert_eq!(std::fs::read_dir(folder.path()).expect("folder").count(), 1);
 }
 

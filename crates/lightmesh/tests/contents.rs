@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 use crate::common::*;
 use glam::Vec3;
 use lightmesh::{
-    Camera, Cursor, DirectValues, Error, Frame, Image, LightMesh, Material, MeshStats, Method, RayCounts,
+    Camera, Cursor, DirectValues, Error, Frame, Image, Light, LightMesh, Material, MeshStats, Method, RayCounts,
     RenderOptions, Scene, SceneData, Snapshot, Spacing, render,
 };
 
@@ -89,6 +89,16 @@ fn darkness_travels_too() {
         let (image, _) = check_shared(&scene, &with_bounces(method, 1));
         assert!(image.pixels.iter().all(|&pixel| pixel == Vec3::ZERO));
     }
+}
+
+/// With a sun and lamps, points keep both for themselves.
+#[test]
+fn parts_of_the_light_travel_too() {
+    let mut data = room();
+    data.lights.push(Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::new(9.0, 8.0, 7.0) });
+    let (_, contents) = check_shared(&Scene::new(data).expect("scene"), &with_bounces(Method::MESH, 2));
+    let DirectValues::SixAxisParts(values) = &contents.direct.values else { panic!("{:?}", contents.direct.values) };
+    assert_eq!(values.len(), contents.direct.points.addresses.len() * 72);
 }
 
 #[test]

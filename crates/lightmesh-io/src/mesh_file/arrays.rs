@@ -20,6 +20,9 @@ pub(super) fn to_tensors(contents: &Snapshot) -> Vec<Tensor<'_>> {
         DirectValues::SixAxis(values) => {
             tensors.push(Tensor::new("direct.six_axis".into(), &[n, 6, 2, 3], Cow::Borrowed(values)));
         }
+        DirectValues::SixAxisParts(values) => {
+            tensors.push(Tensor::new("direct.six_axis_parts".into(), &[n, 2, 6, 2, 3], Cow::Borrowed(values)));
+        }
         DirectValues::Scalar(values) => {
             tensors.push(Tensor::new("direct.scalar".into(), &[n, 2, 3], Cow::Borrowed(values)));
         }
@@ -72,10 +75,13 @@ pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Snapshot, Er
     // Read the direct mesh: its points, and whichever encoding of values the file has.
     let points = read_points(arrays, "direct")?;
     let n = points.addresses.len();
-    let given = ["direct.six_axis", "direct.scalar", "direct.light_bits", "direct.run_ends"]
+    let given = ["direct.six_axis", "direct.six_axis_parts", "direct.scalar", "direct.light_bits", "direct.run_ends"]
         .into_iter()
         .find(|name| arrays.has(name));
     let values = match given {
+        Some(name @ "direct.six_axis_parts") => {
+            DirectValues::SixAxisParts(arrays.read(name, &Shape::of([n, 2, 6, 2, 3]))?.0)
+        }
         Some("direct.scalar") => DirectValues::Scalar(arrays.read("direct.scalar", &Shape::of([n, 2, 3]))?.0),
         Some("direct.light_bits") => {
             let (bits, shape) = arrays.read("direct.light_bits", &Shape::of([n, 2]).and_any(1))?;

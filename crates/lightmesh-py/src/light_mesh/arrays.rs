@@ -52,12 +52,20 @@ impl MeshArrays {
     }
 }
 
+/// Sums the values of lights at finite distances and those of parallel ones.
+fn sum_parts(values: &[f32]) -> Vec<f32> {
+    const PART: usize = 6 * 2 * 3;
+    let sum = |point: &[f32]| -> [f32; PART] { std::array::from_fn(|i| point[i] + point[PART + i]) };
+    values.chunks_exact(2 * PART).flat_map(sum).collect()
+}
+
 impl PyMeshArrays {
     /// Copies all points and values of a mesh; of indirect light those after this many bounces.
     pub(crate) fn new(mesh: &LightMesh, bounces: u32) -> Self {
         let Snapshot { direct, indirect } = mesh.snapshot_since(&Cursor::default());
         let (values, shape): (_, &[usize]) = match direct.values {
             DirectValues::SixAxis(values) => (Some(values), &[6, 2, 3]),
+            DirectValues::SixAxisParts(values) => (Some(sum_parts(&values)), &[6, 2, 3]),
             DirectValues::Scalar(values) => (Some(values), &[2, 3]),
             DirectValues::Lights { .. } | DirectValues::Runs { .. } => (None, &[]),
         };

@@ -7,6 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::plan::Shading;
 use super::shading::{DirectLighting, ShadingBatch, ShadingSeconds};
 use crate::Error;
 use crate::interaction::ShadingPoint;
@@ -82,6 +83,25 @@ fn fold(place: u64) -> u64 {
 }
 
 impl DirectLighting<'_, '_> {
+    /// Computes the direct light at every vertex of the batches; the mesh is filled as far as they need it. Rays of the
+    /// fill are added to the frame's; those of the rest stay with the batches.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
+    pub(crate) fn shade(
+        &mut self,
+        visibility: CornerVisibility,
+        batches: &mut [&mut ShadingBatch],
+    ) -> Result<ShadingSeconds, Error> {
+        if visibility != CornerVisibility::Stochastic || self.plan.shading(visibility) == Shading::Exact {
+            return self.shade_together(visibility, batches);
+        }
+        // Of gather hits only the sum counts, and they come from all over.
+        let lists = batches.iter().map(|batch| batch.vertices.as_slice());
+        let mut placed = PlacedVertices::sort(lists, |p| self.field.place(p));
+        self.shade_placed(visibility, &mut placed, batches)
+    }
+
     /// [`DirectLighting::shade`] for the sorted vertices of some lists, and for these lists.
     ///
     /// # Errors

@@ -43,6 +43,11 @@ impl DirectField {
         if self.lights.has_clusters() { self.lights.region(p) } else { self.points.place(p) }
     }
 
+    /// Whether parallel lights are kept for themselves.
+    pub(super) fn has_parts(&self) -> bool {
+        self.encoding.has_parts()
+    }
+
     /// Returns the number of points, and their memory.
     pub(crate) fn stats(&self) -> MeshStats {
         self.points.stats(self.encoding.bytes() + self.lights.bytes() + self.sky.bytes())

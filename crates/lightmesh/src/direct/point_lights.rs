@@ -60,6 +60,7 @@ pub(super) struct PointLight {
     pub direction: Vec3,
     /// V_i, the part that arrives, per channel.
     pub visible: Vec3,
+    pub is_parallel: bool,
 }
 
 impl<'a> PointLights<'a> {
@@ -143,6 +144,7 @@ impl<'a> PointLights<'a> {
                     f: 1.0,
                     direction: light.position,
                     visible: Vec3::ZERO,
+                    is_parallel: true,
                 };
                 self.sky.push(SkyRay { index, light, is_mixed: known > 0.0 && known < 1.0 });
             }
@@ -180,7 +182,8 @@ impl<'a> PointLights<'a> {
                 return None;
             }
             let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
-            Some(PointLight { intensity: lights.intensity(lane), f: f[lane], direction, visible })
+            let is_parallel = lights.is_directional(lane);
+            Some(PointLight { intensity: lights.intensity(lane), f: f[lane], direction, visible, is_parallel })
         });
         single.chain(self.sky.iter().map(|ray| ray.light))
     }

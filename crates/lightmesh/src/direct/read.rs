@@ -26,6 +26,8 @@ pub(crate) enum Reading {
 pub(crate) struct DirectReader<'a> {
     pub(super) field: &'a DirectField,
     pub(super) cached: CachedReader<'a, ArrivingLight>,
+    /// Where parallel lights are kept for themselves.
+    parts: Option<CachedReader<'a, [ArrivingLight; 2]>>,
     /// The visibility of each light, by the points that were read last.
     pub(super) estimate: VisibilityEstimate,
     pub(super) samples: &'a LightSamples,
@@ -42,6 +44,7 @@ impl DirectField {
         DirectReader {
             field: self,
             cached: CachedReader::new(self.points.reader(scene, visibility)),
+            parts: self.has_parts().then(|| CachedReader::new(self.points.reader(scene, visibility))),
             estimate: VisibilityEstimate::new(if has_runs { 0 } else { scene.lights().lanes() }),
             samples: scene.lights(),
             region: match &self.encoding {
@@ -76,6 +79,24 @@ impl DirectReader<'_> {
         }
     }
 
+    /// [`Self::read`] where parallel lights are kept for themselves; `unshadowed` by the lights at finite distances and by
+    /// them.
+    pub(crate) fn read_parts(&mut self, vertex: &ShadingPoint, unshadowed: [Vec3; 2], marks: &Marks) -> Reading {
+        let (Some(parts), encoding) = (&mut self.parts, &self.field.encoding) else { return Reading::Unavailable };
+        let light = parts.fold(
+            vertex,
+            marks,
+            [ArrivingLight::default(); 2],
+            |index| encoding.project_parts(index, vertex.n),
+            |[a, b], [c, d], weight| [a.plus(c, weight), b.plus(d, weight)],
+        );
+        match light {
+            Ok(light) => moderate_parts(light, unshadowed),
+            Err(ReadResult::Pending) => Reading::Pending,
+            Err(_) => Reading::Unavailable,
+        }
+    }
+
     /// [`Self::read`] with a rule for missing corners.
     fn read_with(&mut self, rule: MissingCorners, vertex: &ShadingPoint, marks: &Marks) -> Reading {
         let (mut light, mut share) = (ArrivingLight::default(), 0.0);
@@ -94,7 +115,8 @@ impl DirectReader<'_> {
 
     /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
-        self.cached.reader.visibility_rays()
+        let parts = self.parts.as_ref().map_or(0, |parts| parts.reader.visibility_rays());
+        self.cached.reader.visibility_rays() + parts
     }
 }
 
@@ -132,6 +154,20 @@ fn moderate(light: ArrivingLight, unshadowed: Vec3) -> Reading {
     let moderated = v + r * r / (r * r + (1.0 - r) * (1.0 - r)) * (unshadowed - u);
     let part = moderated / unshadowed.max(Vec3::splat(f32::MIN_POSITIVE));
     Reading::Visibility(Vec3::select(r.cmplt(Vec3::splat(0.5)) & unshadowed.cmpgt(Vec3::ZERO), part, r))
+}
+
+/// Returns the part of the light that arrives, from each part of the lights by itself.
+fn moderate_parts(light: [ArrivingLight; 2], unshadowed: [Vec3; 2]) -> Reading {
+    let mut arriving = Vec3::ZERO;
+    for (light, unshadowed) in light.into_iter().zip(unshadowed) {
+        match moderate(light, unshadowed) {
+            Reading::Visibility(visibility) => arriving += visibility * unshadowed,
+            // Such light must have come to the points.
+            Reading::Unavailable if unshadowed != Vec3::ZERO => return Reading::Unavailable,
+            Reading::Unavailable | Reading::Pending => {}
+        }
+    }
+    Reading::Visibility(arriving / (unshadowed[0] + unshadowed[1]).max(Vec3::splat(f32::MIN_POSITIVE)))
 }
 
 /// Returns the part of the light that arrives.

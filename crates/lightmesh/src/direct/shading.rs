@@ -6,7 +6,6 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::by_place::PlacedVertices;
 use super::exact::ExactShader;
 use super::few_rays::FewRaysShader;
 use super::field::DirectField;
@@ -33,6 +32,9 @@ pub(crate) struct ShadingBatch {
     pub vertices: Vec<ShadingPoint>,
     /// Direct irradiance of each vertex, lux.
     pub direct: Vec<Vec3>,
+    /// Without shadows, by the lights at finite distances and by the parallel ones, where the mesh keeps these for
+    /// themselves; else empty.
+    parts: Vec<[Vec3; 2]>,
     /// Vertices that have not been shaded yet.
     waiting: Vec<u32>,
     exact: ExactShader,
@@ -74,9 +76,16 @@ impl ShadingBatch {
 
     /// Computes Σ of formula (2), without visibility, over every light, for every vertex; those that receive any light
     /// wait to be shaded.
-    fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff) {
+    fn sum_unshadowed(&mut self, scene: &Scene, falloff: Falloff, has_parts: bool) {
+        let (lights, level) = (scene.lights(), scene.simd_level());
         let vertices = self.vertices.iter().map(|vertex| (vertex.position, vertex.n));
-        scene.lights().irradiance(scene.simd_level(), falloff, vertices, &mut self.direct);
+        if has_parts {
+            lights.irradiance_of_parts(level, falloff, vertices, &mut self.parts);
+            self.direct.clear();
+            self.direct.extend(self.parts.iter().map(|[near, parallel]| near + parallel));
+        } else {
+            lights.irradiance(level, falloff, vertices, &mut self.direct);
+        }
         self.await_lit();
     }
 
@@ -108,10 +117,14 @@ impl ShadingBatch {
         let MeshContext { scene, falloff, field, marks, visibility, .. } = context;
         let mut reader = field.reader(scene, visibility);
         let mut lights = field.lights().at(scene);
-        let Self { waiting, vertices, direct, few_rays, shadow_rays, fallbacks, .. } = self;
+        let Self { waiting, vertices, direct, parts, few_rays, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
-            match reader.read(vertex, *irradiance, marks) {
+            let reading = match parts.get(i as usize) {
+                Some(&parts) => reader.read_parts(vertex, parts, marks),
+                None => reader.read(vertex, *irradiance, marks),
+            };
+            match reading {
                 Reading::Visibility(visibility) => *irradiance *= visibility,
                 // Without a usable point, trace shadow rays.
                 Reading::Unavailable => {
@@ -266,26 +279,11 @@ pub(crate) struct DirectLighting<'a, 'b> {
 }
 
 impl DirectLighting<'_, '_> {
-    /// Computes the direct light at every vertex of the batches; the mesh is filled as far as they need it. Rays of the
-    /// fill are added to the frame's; those of the rest stay with the batches.
+    /// Computes the direct light at every vertex of the batches, batch by batch; the mesh is filled as far as they need it.
+    /// Rays of the fill are added to the frame's; those of the rest stay with the batches.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`].
-    pub(crate) fn shade(
-        &mut self,
-        visibility: CornerVisibility,
-        batches: &mut [&mut ShadingBatch],
-    ) -> Result<ShadingSeconds, Error> {
-        // Of gather hits only the sum counts, and neighbours come from all over.
-        if visibility == CornerVisibility::Stochastic && self.plan.shading(visibility) != Shading::Exact {
-            let lists = batches.iter().map(|batch| batch.vertices.as_slice());
-            let mut placed = PlacedVertices::sort(lists, |p| self.field.place(p));
-            return self.shade_placed(visibility, &mut placed, batches);
-        }
-        self.shade_together(visibility, batches)
-    }
-
-    /// [`Self::shade`] batch by batch.
     pub(super) fn shade_together(
         &mut self,
         visibility: CornerVisibility,
@@ -309,7 +307,8 @@ impl DirectLighting<'_, '_> {
                 batches.iter_mut().for_each(|batch| batch.await_all());
             }
             Shading::MeanVisibility if !self.field.lights().has_clusters() => {
-                batches.par_iter_mut().for_each(|batch| batch.sum_unshadowed(scene, falloff));
+                let has_parts = self.field.has_parts();
+                batches.par_iter_mut().for_each(|batch| batch.sum_unshadowed(scene, falloff, has_parts));
             }
             Shading::MeanVisibility => {
                 let vertices = batches.iter().flat_map(|batch| &batch.vertices).map(|v| (v.position, v.n));

@@ -199,7 +199,8 @@ impl LightSamples {
         }
     }
 
-    pub(super) fn is_directional(&self, lane: usize) -> bool {
+    /// Whether a lane's light is parallel.
+    pub(crate) fn is_directional(&self, lane: usize) -> bool {
         let plain = self.blocks.len() - self.spots.len();
         (lane / LANES).checked_sub(plain).is_some_and(|e| self.spots[e].w[lane % LANES] == 0.0)
     }
@@ -216,6 +217,26 @@ impl LightSamples {
         out.clear();
         out.reserve(points.len());
         dispatch!(level, simd => irradiance_simd(simd, self, falloff, points, out));
+    }
+
+    /// [`Self::irradiance`] of the lights at finite distances and of the parallel ones, each for itself.
+    pub(crate) fn irradiance_of_parts(
+        &self,
+        level: Level,
+        falloff: Falloff,
+        points: impl ExactSizeIterator<Item = (Vec3, Vec3)>,
+        out: &mut Vec<[Vec3; 2]>,
+    ) {
+        out.clear();
+        out.reserve(points.len());
+        dispatch!(level, simd => irradiance_of_parts_simd(simd, self, falloff, points, out));
+    }
+
+    /// Whether there are lights at finite distances and parallel ones.
+    pub(crate) fn has_both_parts(&self) -> bool {
+        let mut lit = (0..self.lanes()).filter(|&lane| self.intensity(lane) != Vec3::ZERO);
+        let first = lit.next().map(|lane| self.is_directional(lane));
+        first.is_some_and(|first| lit.any(|lane| self.is_directional(lane) != first))
     }
 
     /// Evaluates d and f of every lane at a point.
@@ -262,6 +283,42 @@ fn irradiance_simd<S: Simd>(
             },
         );
         out.push(Vec3::new(sum(r), sum(g), sum(b)));
+    }
+}
+
+#[inline(always)]
+fn irradiance_of_parts_simd<S: Simd>(
+    simd: S,
+    lights: &LightSamples,
+    falloff: Falloff,
+    points: impl ExactSizeIterator<Item = (Vec3, Vec3)>,
+    out: &mut Vec<[Vec3; 2]>,
+) {
+    let zero = f32x16::splat(simd, 0.0);
+    let plain = (lights.blocks.len() - lights.spots.len()) * LANES;
+    for (p, n) in points {
+        let mut sums = [[zero; 3]; 2];
+        for_each_block(
+            simd,
+            lights,
+            falloff,
+            p,
+            #[inline(always)]
+            |block, first, l| {
+                let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(zero) * l.f;
+                // All before the spots are at finite distances.
+                let spots = first.checked_sub(plain).map(|lane| &lights.spots[lane / LANES]);
+                let near = spots.map(|spots| f32x16::load_array_ref(simd, &spots.w).simd_gt(zero).select(e, zero));
+                for (channel, intensity) in [&block.r, &block.g, &block.b].into_iter().enumerate() {
+                    let intensity = f32x16::from_slice(simd, intensity);
+                    sums[0][channel] += near.unwrap_or(e) * intensity;
+                    if let Some(near) = near {
+                        sums[1][channel] += (e - near) * intensity;
+                    }
+                }
+            },
+        );
+        out.push(sums.map(|channels| Vec3::from_array(channels.map(sum))));
     }
 }
 

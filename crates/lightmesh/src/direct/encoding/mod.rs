@@ -14,7 +14,7 @@ use per_light::PointStates;
 pub(crate) use per_light::{BitRows, LightBits, LightRuns, LightStates, MOST_LEAVES, PerLight};
 pub(crate) use plain_arrays::{check_finite, check_length, refuse, values};
 use scalar::Scalar;
-use six_axis::SixAxis;
+use six_axis::{SixAxis, SixAxisValues};
 
 use super::point_lights::PointLights;
 use crate::options::PointKind;
@@ -34,7 +34,7 @@ pub(crate) enum DirectEncoding {
 /// The values of one point that has been evaluated and not yet stored.
 #[derive(Debug)]
 pub(super) enum PointValues {
-    SixAxis([Vec4; 12]),
+    SixAxis(SixAxisValues),
     Scalar([Vec4; 2]),
     PerLight(PointStates),
 }
@@ -57,6 +57,9 @@ pub enum DirectValues {
     /// faces +x, −x, +y, −y, +z, −z: the irradiance that arrives, and the irradiance without occlusion, RGB. (With a
     /// falloff other than r², in its units.)
     SixAxis(Vec<f32>),
+    /// The same where some lights are parallel and others at finite distances: shape (N, 2, 6, 2, 3), those at finite
+    /// distances first.
+    SixAxisParts(Vec<f32>),
     /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). For each point DirectLight of formula (1),
     /// and the value that it is divided by, RGB.
     Scalar(Vec<f32>),
@@ -104,7 +107,10 @@ impl DirectEncoding {
         match MeshKey::of(options).kind {
             PointKind::ByLight => Self::PerLight(PerLight::new(scene, cluster_leaves, falloff)),
             PointKind::Scalar { field_falloff, scale } => Self::Scalar(Scalar::new(scene, field_falloff, scale)),
-            PointKind::SixAxis => Self::SixAxis(SixAxis::new(falloff)),
+            PointKind::SixAxis => {
+                let has_parts = cluster_leaves.is_none() && scene.lights().has_both_parts();
+                Self::SixAxis(SixAxis::new(falloff, has_parts))
+            }
         }
     }
 
@@ -128,7 +134,7 @@ impl DirectEncoding {
     /// Returns the values of the point whose lights have been traced.
     pub(super) fn evaluate(&self, lights: &PointLights<'_>) -> PointValues {
         match self {
-            Self::SixAxis(_) => PointValues::SixAxis(SixAxis::evaluate(lights)),
+            Self::SixAxis(own) => PointValues::SixAxis(own.evaluate(lights)),
             Self::Scalar(own) => PointValues::Scalar(own.evaluate(lights)),
             Self::PerLight(own) => PointValues::PerLight(own.evaluate(lights)),
         }
@@ -154,10 +160,24 @@ impl DirectEncoding {
         }
     }
 
+    /// [`Self::project`] of the lights at finite distances and of the parallel ones, where these are kept for themselves.
+    #[inline(always)]
+    pub(super) fn project_parts(&self, index: u32, n: Vec3) -> [ArrivingLight; 2] {
+        match self {
+            Self::SixAxis(own) => own.project_parts(index, n),
+            Self::Scalar(_) | Self::PerLight(_) => [self.project(index, n), ArrivingLight::default()],
+        }
+    }
+
+    /// Whether parallel lights are kept for themselves.
+    pub(super) fn has_parts(&self) -> bool {
+        matches!(self, Self::SixAxis(own) if own.has_parts())
+    }
+
     /// Returns the memory of a point, bytes, as far as it is the same for all points.
     pub(super) fn bytes_per_point(&self) -> u64 {
         match self {
-            Self::SixAxis(_) => SixAxis::BYTES_PER_POINT,
+            Self::SixAxis(own) => own.bytes_per_point(),
             Self::Scalar(_) => Scalar::BYTES_PER_POINT,
             Self::PerLight(own) => own.bytes_per_point(),
         }
@@ -195,7 +215,12 @@ impl DirectEncoding {
     /// [`Error::InvalidContents`].
     pub(crate) fn check(&self, values: &DirectValues, points: usize) -> Result<(), Error> {
         let name = match (self, values) {
-            (Self::SixAxis(_), DirectValues::SixAxis(numbers)) => return SixAxis::check(numbers, points),
+            (Self::SixAxis(own), DirectValues::SixAxis(numbers)) if !own.has_parts() => {
+                return own.check(numbers, points);
+            }
+            (Self::SixAxis(own), DirectValues::SixAxisParts(numbers)) if own.has_parts() => {
+                return own.check(numbers, points);
+            }
             (Self::Scalar(_), DirectValues::Scalar(numbers)) => return Scalar::check(numbers, points),
             (Self::PerLight(own), _) => return own.check(values, points),
             (Self::SixAxis(_), _) => SixAxis::NAME,
@@ -207,7 +232,9 @@ impl DirectEncoding {
     /// Stores point i of a snapshot, which has been checked, as the next one.
     pub(crate) fn push_snapshot(&mut self, values: &DirectValues, i: usize) {
         match (self, values) {
-            (Self::SixAxis(own), DirectValues::SixAxis(numbers)) => own.push_snapshot(numbers, i),
+            (Self::SixAxis(own), DirectValues::SixAxis(numbers) | DirectValues::SixAxisParts(numbers)) => {
+                own.push_snapshot(numbers, i);
+            }
             (Self::Scalar(own), DirectValues::Scalar(numbers)) => own.push_snapshot(numbers, i),
             (Self::PerLight(own), _) => own.push_snapshot(values, i),
             _ => unreachable!("snapshots are checked before"),
