@@ -52,6 +52,7 @@ impl DirectField {
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
         let sky = &self.sky;
+        let summed = encoding.sums_lights();
         let evaluated: Vec<_> = requested
             .par_chunks(64)
             .map(|chunk| {
@@ -65,7 +66,7 @@ impl DirectField {
                         false => Some(Clearance::ALL_FREE),
                     };
                     let values = clearance.map(|_| {
-                        lights.trace(x, sky.as_mut().map(|sky| sky.around(x, spacing)));
+                        lights.trace(x, sky.as_mut().map(|sky| sky.around(x, spacing)), summed);
                         encoding.evaluate(&lights)
                     });
                     EvaluatedPoint { address, clearance, values }

@@ -50,6 +50,10 @@ const SKY_RAYS_PER_PART: f32 = 128.0;
 /// brought a whole part's light, a bright dot on the floor. Empirical.
 const SKY_RAYS_PER_RIM: f32 = 16.0;
 
+/// Of parts that are all visible around a point whose lights are summed, one in so many has its ray, which stands for the
+/// others: out of doors, most are. Empirical.
+const CLEAR_PARTS: u32 = 4;
+
 /// A light as a mesh point receives it: unshadowed, a plane of normal n gets `intensity` · `f` · (n · `direction`) of
 /// it.
 #[derive(Clone, Copy, Debug)]
@@ -87,8 +91,9 @@ impl<'a> PointLights<'a> {
     }
 
     /// Traces a shadow ray from the point at `x` to every light that shines on it, and several to parts of the sky:
-    /// `around` has how much is visible of each in the neighbourhood, if there is a sky.
-    pub(super) fn trace(&mut self, x: Vec3, around: Option<SkyAround<'_>>) {
+    /// `around` has how much is visible of each in the neighbourhood, if there is a sky. `summed`: only the sum over the
+    /// lights counts.
+    pub(super) fn trace(&mut self, x: Vec3, around: Option<SkyAround<'_>>, summed: bool) {
         self.cut.set_receiver(x, self.falloff);
         let lights = self.cut.lights();
         lights.directions(self.scene.simd_level(), self.falloff, x, &mut self.directions);
@@ -102,7 +107,7 @@ impl<'a> PointLights<'a> {
         }
         match around {
             None => visibility(self.scene, &self.rays, &mut self.shadow, &mut self.visible),
-            Some(around) => self.trace_with_sky(x, around),
+            Some(around) => self.trace_with_sky(x, around, summed),
         }
         self.shadow_rays += self.rays.len() as u64;
     }
@@ -110,7 +115,7 @@ impl<'a> PointLights<'a> {
     /// Traces shadow rays to random directions in each part of the sky that shines on the point, more to parts of which
     /// something is visible and something not, by what is seen `around`. The same few directions everywhere would throw
     /// sharp pictures of a window on the walls behind it.
-    fn trace_with_sky(&mut self, x: Vec3, around: SkyAround<'_>) {
+    fn trace_with_sky(&mut self, x: Vec3, around: SkyAround<'_>, summed: bool) {
         // Find out how much arrives from the whole sky, and drop the rays to the middle of its parts.
         let lights = self.cut.lights();
         let is_sky = |lane: u32| matches!(lights.stratum(lane as usize), Stratum::Sky(_));
@@ -127,12 +132,21 @@ impl<'a> PointLights<'a> {
         // Shoot as many rays to each part as its noise asks for.
         let seed = hash(seed_of_position(x));
         let singles = self.rays.len();
+        let mut clear_parts = hash(seed) % CLEAR_PARTS;
         self.sky.clear();
         for (index, &lane) in self.lanes.iter().enumerate() {
             if !is_sky(lane) {
                 continue;
             }
             let (known, q) = (around.of(lane), around.guess(lane));
+            let mut share = 1.0;
+            if summed && q == 1.0 {
+                clear_parts += 1;
+                if !clear_parts.is_multiple_of(CLEAR_PARTS) {
+                    continue;
+                }
+                share = CLEAR_PARTS as f32;
+            }
             let most = if known == q { SKY_RAYS_PER_PART } else { SKY_RAYS_PER_RIM };
             let count = (sky_rays * noise(lane, q)).ceil().clamp(1.0, most);
             for k in 0..count as u32 {
@@ -140,7 +154,7 @@ impl<'a> PointLights<'a> {
                 let Some(light) = light else { continue };
                 self.rays.push(shadow_ray_to(&light, x));
                 let light = PointLight {
-                    intensity: light.intensity / count,
+                    intensity: light.intensity * (share / count),
                     f: 1.0,
                     direction: light.position,
                     visible: Vec3::ZERO,

@@ -3,7 +3,7 @@
 //!
 //! | who | passes through | goes on by |
 //! |---|---|---|
-//! | waves | a second ray of weight 1 − opacity | a ray for each specular lobe; a diffuse lobe is lit |
+//! | waves | a second ray of weight 1 − opacity | a ray for each specular lobe, weak ones by chance; a diffuse lobe is lit |
 //! | path tracer | with probability 1 − opacity | one lobe by chance |
 //! | gather rays | with probability 1 − opacity | one lobe by chance, and end where it is the diffuse one |
 //!

@@ -48,7 +48,7 @@ const NEAREST: f32 = 0.25;
 /// more are empty, in proportion to the root of their number, and fewer where fewer are. Empty pixels take no time, and a
 /// mesh of more points than the others read takes more than it saves: a box of 2 m in a picture of 160 × 120 took 38 times
 /// as long as paths with a spacing of one pixel. A picture of a room is not limited.
-const PIXELS: f32 = 3.0;
+const PIXELS: f32 = 4.0;
 
 /// How much larger spacings may become by it.
 const COARSEST: f32 = 4.0;

@@ -131,6 +131,11 @@ impl DirectEncoding {
         }
     }
 
+    /// Whether points keep sums over the lights.
+    pub(super) fn sums_lights(&self) -> bool {
+        matches!(self, Self::SixAxis(_) | Self::Scalar(_))
+    }
+
     /// Returns the values of the point whose lights have been traced.
     pub(super) fn evaluate(&self, lights: &PointLights<'_>) -> PointValues {
         match self {
