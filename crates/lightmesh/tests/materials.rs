@@ -191,7 +191,9 @@ fn panes_are_seen_through_alike() {
         place(&mut data, mesh);
         let scene = Scene::new(data).expect("scene");
         let camera = Camera::look_at(Vec3::new(-3.0_f32.sqrt(), 2.0, 0.0), Vec3::new(0.0, 1.0, 0.0), 0.01);
-        let seen = middle(&scene, &camera, &options(Method::Standard)).x;
+        // Weak reflections within the block go on by chance.
+        let options = options(Method::Standard).with(|o| o.picture.spp = 1024);
+        let seen = middle(&scene, &camera, &options).x;
         assert!((seen - expected).abs() < 4e-3, "{seen}");
     }
 }

@@ -19,7 +19,7 @@ use crate::interaction::{
 };
 use crate::light::LightCut;
 use crate::progress::Reporter;
-use crate::sampling::{Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
+use crate::sampling::{PixelOrder, Sampler, basis, pdf_cosine_hemisphere, sample_cosine_hemisphere};
 use crate::{Aov, Error, RayCounts, RenderOptions, RenderStats, Scene};
 
 /// Samples per unit of parallel work.
@@ -104,11 +104,12 @@ impl PathBlock {
     ) -> Self {
         let mut tracer = PathTracer::new(scene, options);
         let count = samples.end - samples.start;
+        let order = PixelOrder::new(options.picture.width, options.picture.spp);
         let radiance = film
             .samples(samples)
             .take_while(|_| !reporter.cancelled())
             .map(|s| {
-                let mut sampler = Sampler::new(options.seed, s.pixel, s.index);
+                let mut sampler = order.sampler(options.seed, s.pixel, s.index);
                 let (ray, cone) = film.ray(s);
                 (s.pixel, tracer.li(ray, cone, s.pixel, &mut sampler))
             })

@@ -4,6 +4,7 @@ mod bits;
 #[cfg(test)]
 pub(crate) mod chi_square;
 mod piecewise_constant;
+mod pixel_order;
 mod rng;
 
 use std::f32::consts::TAU;
@@ -11,10 +12,11 @@ use std::f32::consts::TAU;
 pub(crate) use bits::set_bits;
 use glam::{Vec2, Vec3};
 pub(crate) use piecewise_constant::Table;
+pub(crate) use pixel_order::PixelOrder;
 pub(crate) use rng::{fold_seed, hash, seed_of_coordinate, seed_of_position, seed_of_surface, unit_f32};
 
 /// Samples of one pixel: an Owen-scrambled Sobol sequence (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020),
-/// four dimensions at a time, decorrelated between pixels and groups of dimensions by their seeds.
+/// four dimensions at a time, decorrelated between sequences and groups of dimensions by their seeds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler {
     index: u32,
@@ -24,10 +26,14 @@ pub(crate) struct Sampler {
 }
 
 impl Sampler {
-    /// Makes the sampler of the `sample`-th path of a pixel.
+    /// Makes the sampler of the `sample`-th path of a pixel by itself.
     pub(crate) fn new(seed: u64, pixel: u32, sample: u32) -> Self {
-        let seed = hash(fold_seed(seed) ^ pixel);
-        Self { index: sample, seed, dimension: 0, choices: 0 }
+        Self::in_sequence(hash(fold_seed(seed) ^ pixel), sample)
+    }
+
+    /// Makes the sampler of a point of the sequence of a seed.
+    fn in_sequence(seed: u32, index: u32) -> Self {
+        Self { index, seed, dimension: 0, choices: 0 }
     }
 
     /// Returns the sampler of one of `count` paths that this one splits into. All such paths of a pixel share one point
