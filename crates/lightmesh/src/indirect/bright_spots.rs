@@ -3,16 +3,17 @@
 //!
 //! Probe rays from each lamp find what is near. Surfaces in one plane that get a good part of the lamp's light are one
 //! spot, whose directions are sampled in proportion to its light; what else is near, as the walls of a can, is a ball
-//! around the lamp. Both have a density in closed form for every direction, whatever the rays really meet. So has the
-//! ball around the image of a shining surface in a plane mirror.
+//! around the lamp. Both have a density in closed form for every direction, whatever the rays really meet. So have the
+//! ball around the image of a shining surface in a plane mirror, and the rectangle around a patch of sunlight.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
+use super::rectangle::Rectangle;
+use super::spot_directions::{EvenCone, SpotDirections, cone_of_ball};
 use crate::geometry::Ray;
 use crate::light::PlaneMirror;
-use crate::sampling::basis;
 
 /// The bright spots of a scene.
 #[derive(Clone, Debug, Default)]
@@ -39,32 +40,8 @@ pub(super) enum SpotShape {
     Plane { lamp: Vec3, foot: Vec3, n: Vec3, cone: EvenCone },
     /// Within a distance of the lamp.
     Ball { center: Vec3, radius: f32 },
-}
-
-/// Directions evenly spread in a cone.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct EvenCone {
-    /// Unit.
-    pub axis: Vec3,
-    pub cos: f32,
-}
-
-impl EvenCone {
-    pub(super) fn sample(&self, u: Vec2) -> Vec3 {
-        let z = 1.0 - u.x * (1.0 - self.cos);
-        let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * u.y);
-        let (t, b) = basis(self.axis);
-        t * (r * libm::cosf(phi)) + b * (r * libm::sinf(phi)) + self.axis * z
-    }
-
-    /// Density per steradian.
-    fn pdf(&self, direction: Vec3) -> f32 {
-        if direction.dot(self.axis) < self.cos { 0.0 } else { 1.0 / self.solid_angle() }
-    }
-
-    pub(super) fn solid_angle(&self) -> f32 {
-        (TAU * (1.0 - self.cos)).max(1e-6)
-    }
+    /// In a rectangle, lit from its front.
+    Patch(Rectangle),
 }
 
 /// How a spot looks from a point.
@@ -99,6 +76,15 @@ impl BrightSpot {
                     solid_angle: PI * radius * radius / r2,
                 })
             }
+            SpotShape::Patch(rectangle) => {
+                let d = x - rectangle.center;
+                let cos = rectangle.n.dot(d) / d.length();
+                let r2 = d.length_squared() + rectangle.area() / PI;
+                (cos > 0.0).then(|| SpotView {
+                    irradiance: self.flux * cos / (PI * r2),
+                    solid_angle: rectangle.area() * cos / r2,
+                })
+            }
         }
     }
 
@@ -112,6 +98,9 @@ impl BrightSpot {
                 [Some(to(foot, 0.01)), Some(to(foot + away * lamp.distance(foot), 0.01))]
             }
             SpotShape::Ball { center, radius } => [Some(to(center, 1.01 * radius / x.distance(center))), None],
+            SpotShape::Patch(Rectangle { center, half, .. }) => {
+                [0.5, -0.5].map(|s| Some(to(center + s * half[0], 0.01)))
+            }
         };
         rays.into_iter().flatten().filter(|_| self.mirror.is_none())
     }
@@ -124,64 +113,9 @@ impl BrightSpot {
                 let cone = cone_of_ball(x, center, radius);
                 SpotDirections::Cone { cone, pdf: 1.0 / cone.solid_angle() }
             }
+            SpotShape::Patch(rectangle) => SpotDirections::Rectangle { x, rectangle },
         }
     }
-}
-
-/// The directions from a point to a spot.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum SpotDirections {
-    /// To where the lamp's rays meet a plane: [`SpotShape::Plane`], seen from `x`.
-    Plane { x: Vec3, lamp: Vec3, foot: Vec3, n: Vec3, cone: EvenCone },
-    /// Evenly spread in a cone, with a density per steradian.
-    Cone { cone: EvenCone, pdf: f32 },
-}
-
-impl SpotDirections {
-    /// A unit direction, by u in [0, 1)²; `None` where the lamp's ray does not meet the plane.
-    pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
-        match *self {
-            Self::Plane { x, lamp, foot, n, cone } => {
-                let l = cone.sample(u);
-                let cos = -n.dot(l);
-                (cos > 0.0).then(|| (lamp + l * (n.dot(lamp - foot) / cos) - x).normalize_or_zero())
-            }
-            Self::Cone { cone, .. } => Some(cone.sample(u)),
-        }
-    }
-
-    /// The density of [`Self::sample`] per steradian.
-    #[inline(always)]
-    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
-        match *self {
-            Self::Plane { x, lamp, foot, n, cone } => {
-                // Where the ray meets the plane, and the lamp's ray there.
-                let cos = -n.dot(direction);
-                let t = n.dot(x - foot) / cos;
-                if cos <= 1e-6 || t <= 0.0 {
-                    return 0.0;
-                }
-                let l = x + direction * t - lamp;
-                let r2 = l.length_squared();
-                let l = l / r2.sqrt();
-                cone.pdf(l) * (-n.dot(l)).max(0.0) / r2 * (t * t / cos)
-            }
-            Self::Cone { cone, pdf } => {
-                if direction.dot(cone.axis) < cone.cos {
-                    0.0
-                } else {
-                    pdf
-                }
-            }
-        }
-    }
-}
-
-/// The cone in which a ball is seen from outside.
-fn cone_of_ball(x: Vec3, center: Vec3, radius: f32) -> EvenCone {
-    let d = center - x;
-    let r2 = d.length_squared();
-    EvenCone { axis: d / r2.sqrt(), cos: (1.0 - radius * radius / r2).max(0.0).sqrt() }
 }
 
 impl BrightSpots {
@@ -198,6 +132,10 @@ impl BrightSpots {
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::TAU;
+
+    use glam::Vec2;
+
     use super::*;
     use crate::sampling::{hash, unit_f32};
 

@@ -12,6 +12,7 @@
 use glam::{Vec3, Vec4};
 
 use super::bright_spots::BrightSpots;
+use crate::geometry::Aabb;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Levels, Marks, Points, ReadResult};
 use crate::{MeshStats, RenderOptions, Scene};
@@ -72,7 +73,8 @@ impl IndirectField {
     pub(crate) fn new(scene: &Scene, levels: Levels, interpolator: Interpolator, options: &RenderOptions) -> Self {
         // The paper's rays are even.
         let faces = CubeFaces::of(options);
-        let spots = if faces == CubeFaces::Six { BrightSpots::find(scene) } else { BrightSpots::default() };
+        let bounds = levels.focus.map_or(scene.bounds(), |focus| Aabb { min: focus.min.into(), max: focus.max.into() });
+        let spots = if faces == CubeFaces::Six { BrightSpots::find(scene, &bounds) } else { BrightSpots::default() };
         Self {
             spots,
             points: Points::new(levels, interpolator),

@@ -10,8 +10,9 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::bright_spots::{BrightSpot, BrightSpots, SpotDirections};
+use super::bright_spots::{BrightSpot, BrightSpots, SpotShape};
 use super::gather::GatherRays;
+use super::spot_directions::SpotDirections;
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
 use crate::sampling::{hash, unit_f32};
@@ -24,8 +25,10 @@ const MOST_SPOTS: usize = 12;
 /// Spots of which it is found out whether the point sees them, at most.
 const MOST_CANDIDATES: usize = 24;
 
-/// A spot as large as so many of the cells that even rays stand for needs no others.
+/// A spot as large as so many of the cells that even rays stand for needs no others; and a patch of sunlight, which may light
+/// all the rest.
 const LARGE: f32 = 0.7;
+const LARGE_PATCH: f32 = 8.0;
 
 /// A spot gets rays where its noise in even rays would be this part of the light, or more.
 const LEAST_NOISE: f32 = 0.1;
@@ -40,6 +43,9 @@ const MOST_TIMES_MEAN: f32 = 8.0;
 /// Rays to a spot that gives all light, and to one spot.
 const RAYS: f32 = 64.0;
 const RAYS_PER_SPOT: std::ops::RangeInclusive<f32> = 2.0..=24.0;
+
+/// How many times as many a patch of sunlight gets: it may give nearly all light, and a part of its rectangle is in the shade.
+const PATCH_TIMES: f32 = 2.5;
 
 /// Rays to each spot in the first estimate of all light.
 const TENTATIVE: f32 = 4.0;
@@ -105,7 +111,8 @@ impl GuidedRays {
         let mut guides: Vec<Guide> = spots
             .iter()
             .filter_map(|&spot| {
-                let view = spot.seen_from(x).filter(|view| view.solid_angle * density < LARGE)?;
+                let large = if matches!(spot.shape, SpotShape::Patch(_)) { LARGE_PATCH } else { LARGE };
+                let view = spot.seen_from(x).filter(|view| view.solid_angle * density < large)?;
                 let even_noise = 1.0 / (view.solid_angle * density).max(1e-6).sqrt();
                 let directions = spot.directions_from(x);
                 let guide = Guide { spot, directions, irradiance: view.irradiance, even_noise, rays: TENTATIVE };
@@ -143,7 +150,9 @@ impl GuidedRays {
         total /= density;
         guides.retain_mut(|guide| {
             let share = (guide.irradiance / total.max(f32::MIN_POSITIVE)).min(1.0);
-            guide.rays = (RAYS * share).ceil().clamp(*RAYS_PER_SPOT.start(), *RAYS_PER_SPOT.end());
+            let times = if matches!(guide.spot.shape, SpotShape::Patch(_)) { PATCH_TIMES } else { 1.0 };
+            let (least, most) = (*RAYS_PER_SPOT.start(), times * RAYS_PER_SPOT.end());
+            guide.rays = (times * RAYS * share).ceil().clamp(least, most);
             guide.matters_in(total)
         });
         if guides.is_empty() {

@@ -8,8 +8,11 @@ mod final_gather;
 mod gather;
 mod guided;
 mod probing;
+mod rectangle;
 mod shifted_faces;
+mod spot_directions;
 mod spot_search;
+mod sun_patches;
 mod transfers;
 
 pub(crate) use bounce::POINTS_AT_ONCE;

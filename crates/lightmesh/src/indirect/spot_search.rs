@@ -5,10 +5,12 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::bright_spots::{BrightSpot, BrightSpots, EvenCone, SpotShape};
+use super::bright_spots::{BrightSpot, BrightSpots, SpotShape};
 use super::gather::sphere_directions;
+use super::spot_directions::EvenCone;
+use super::sun_patches::sun_patches;
 use crate::Scene;
-use crate::geometry::Ray;
+use crate::geometry::{Aabb, Ray};
 use crate::interaction::evaluate;
 use crate::light::PlaneMirror;
 use crate::light::sample::{LightEmission, SampledLight};
@@ -45,9 +47,10 @@ struct Probed {
 }
 
 impl BrightSpots {
-    /// Looks for the spots around the lamps of a scene.
-    pub(crate) fn find(scene: &Scene) -> Self {
+    /// Looks for the spots around the lamps of a scene, and for patches of sunlight in a box.
+    pub(crate) fn find(scene: &Scene, bounds: &Aabb) -> Self {
         let mut spots = images_of_emitters(scene);
+        spots.extend(sun_patches(scene, bounds));
         let lights = scene.lights();
         if lights.len() > MOST_LAMPS {
             return Self { spots };

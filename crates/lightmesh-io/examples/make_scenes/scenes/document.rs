@@ -14,6 +14,16 @@ pub(crate) struct PointLight {
     pub(crate) intensity: f64,
 }
 
+/// Parallel light.
+pub(crate) struct Sun {
+    /// The way it shines, of any length.
+    pub(crate) direction: Vec3,
+    /// Linear RGB, the largest at most 1 as glTF asks.
+    pub(crate) color: Vec3,
+    /// On a surface that faces it, lux.
+    pub(crate) illuminance: f64,
+}
+
 /// A perspective camera.
 pub(crate) struct Camera {
     /// Where it stands, metres.
@@ -40,12 +50,14 @@ pub(crate) struct Document {
     meshes: Vec<(&'static str, Vec<Primitive>)>,
     places: Vec<(usize, Vec3)>,
     lights: Vec<PointLight>,
+    suns: Vec<Sun>,
 }
 
 impl Document {
     /// An empty scene.
     pub(crate) fn new(name: &'static str, camera: Camera) -> Self {
-        Self { name, camera, materials: Vec::new(), meshes: Vec::new(), places: Vec::new(), lights: Vec::new() }
+        let (materials, meshes, places) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name, camera, materials, meshes, places, lights: Vec::new(), suns: Vec::new() }
     }
 
     /// Adds a Lambertian material and returns its index; `sides` = 2 for sheets that are seen from both.
@@ -57,6 +69,33 @@ impl Document {
             "pbrMetallicRoughness": {
                 "baseColorFactor": [albedo[0], albedo[1], albedo[2], 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0,
             },
+        }));
+        self.materials.len() - 1
+    }
+
+    /// Adds a material that shines with a luminance, cd/m², in a colour, from its front.
+    pub(crate) fn emitter(&mut self, name: &str, color: Vec3, luminance: f64) -> usize {
+        self.materials.push(json!({
+            "emissiveFactor": color,
+            "extensions": {
+                "KHR_materials_emissive_strength": {"emissiveStrength": luminance},
+                "KHR_materials_specular": {"specularFactor": 0.0},
+            },
+            "name": name,
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.0, 0.0, 0.0, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0,
+            },
+        }));
+        self.materials.len() - 1
+    }
+
+    /// Adds clear glass.
+    pub(crate) fn glass(&mut self, name: &str) -> usize {
+        self.materials.push(json!({
+            "doubleSided": true,
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}},
+            "name": name,
+            "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0},
         }));
         self.materials.len() - 1
     }
@@ -78,6 +117,21 @@ impl Document {
         self.lights.push(light);
     }
 
+    /// Adds parallel light.
+    pub(crate) fn sun(&mut self, sun: Sun) {
+        self.suns.push(sun);
+    }
+
+    /// The extensions that the file uses, in the order of the alphabet.
+    fn extensions(&self) -> Vec<&str> {
+        let of_materials = self.materials.iter().filter_map(|material| material["extensions"].as_object());
+        let mut used: Vec<&str> = of_materials.flat_map(|extensions| extensions.keys()).map(String::as_str).collect();
+        used.push("KHR_lights_punctual");
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+
     /// Triangles in the world: those of a mesh count at each of its places.
     pub(crate) fn triangle_count(&self) -> usize {
         let of_mesh = |&(mesh, _): &(usize, Vec3)| -> usize {
@@ -91,11 +145,14 @@ impl Document {
         let mut binary = Binary::default();
         let meshes: Vec<Value> = self.meshes.iter().map(|(name, parts)| binary.mesh(name, parts)).collect();
         let (nodes, cameras) = (self.nodes(), self.cameras());
-        let lights: Vec<Value> = self
+        let mut lights: Vec<Value> = self
             .lights
             .iter()
             .map(|l| json!({"color": l.color.map(round), "intensity": round(l.intensity), "type": "point"}))
             .collect();
+        lights.extend(self.suns.iter().map(
+            |sun| json!({"color": sun.color.map(round), "intensity": round(sun.illuminance), "type": "directional"}),
+        ));
         let document = json!({
             "accessors": binary.accessors,
             "asset": {
@@ -108,7 +165,7 @@ impl Document {
             "buffers": [{"byteLength": binary.bytes.len()}],
             "cameras": cameras,
             "extensions": {"KHR_lights_punctual": {"lights": lights}},
-            "extensionsUsed": ["KHR_lights_punctual", "KHR_materials_specular"],
+            "extensionsUsed": self.extensions(),
             "materials": self.materials,
             "meshes": meshes,
             "nodes": nodes,
@@ -151,6 +208,18 @@ impl Document {
         };
         let mut nodes: Vec<Value> = self.places.iter().map(place).collect();
         nodes.extend(self.lights.iter().enumerate().map(light));
+        nodes.extend((self.lights.len()..).zip(&self.suns).map(|(i, sun)| {
+            // The shortest turn from −Z to its direction, as a quaternion.
+            let [x, y, z] = normalize(sun.direction);
+            let turn = [y, -x, 0.0, 1.0 - z];
+            let length = turn.iter().map(|c| c * c).sum::<f64>().sqrt();
+            json!({
+                "extensions": {"KHR_lights_punctual": {"light": i}},
+                "name": "sun",
+                "rotation": turn.map(|c| round(c / length)),
+                "translation": [0.0, 0.0, 0.0],
+            })
+        }));
 
         // A camera looks along its own −Z, +Y is up; columns of `matrix` are its axes in the world.
         let back = normalize(sub(self.camera.eye, self.camera.target));

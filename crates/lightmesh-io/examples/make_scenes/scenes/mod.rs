@@ -7,6 +7,7 @@ mod room;
 mod solids;
 mod surface;
 mod triangle;
+mod window;
 
 pub(crate) use document::Document;
 
@@ -29,5 +30,6 @@ pub(crate) fn all() -> Vec<SceneFile> {
         file("room_1000.glb", room::room(1000)),
         file("triangle.glb", triangle::triangle()),
         file("cornell.glb", cornell::cornell()),
+        file("window.glb", window::window()),
     ]
 }
