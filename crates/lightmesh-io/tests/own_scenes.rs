@@ -124,6 +124,7 @@ fn counts_are_those_of_the_table() {
         ("room_1000.glb", 5014, 1000),
         ("triangle.glb", 3, 1),
         ("cornell.glb", 34, 1),
+        ("window.glb", 2192, 1),
     ];
     let readme = include_str!("../../../scenes/README.md");
     let scenes = scenes::all();
