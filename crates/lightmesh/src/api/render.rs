@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::light_around::white_around;
 use crate::film::{Film, RenderClock};
-use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path};
+use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path, truncated_light};
 use crate::mesh::Points;
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
@@ -83,6 +83,7 @@ fn render_waves(
     let mut frame = WaveFrame::new(scene, options, lighting);
     let plan = adapt(&mut frame, film, clock, &mut stats)?;
     frame.draw_picture(film, plan, clock, &mut stats)?;
+    stats.truncated_light = truncated_light(&mut frame, film, plan, clock)?;
     Ok(stats)
 }
 

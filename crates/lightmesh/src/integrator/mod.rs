@@ -24,6 +24,7 @@ mod path;
 mod path_pixels;
 mod point_block;
 mod points_overlay;
+mod truncated_light;
 mod wave;
 
 pub(crate) use adaptive::adapt;
@@ -32,4 +33,5 @@ pub(crate) use meter_paths::measure_paths;
 pub(crate) use meters::{MeterIrradiance, measure_waves};
 pub(crate) use path::{render_path, trace_pass};
 pub(crate) use points_overlay::{Dots, PointCloud, paint_points};
+pub(crate) use truncated_light::truncated_light;
 pub(crate) use wave::{WaveFrame, WaveSink};

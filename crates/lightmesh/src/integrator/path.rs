@@ -266,7 +266,10 @@ impl<'a> PathTracer<'a> {
                 let Some(passed) = path.pass_through(&hit) else { break };
                 path = passed;
                 self.rays.secondary += 1;
-                if let RayOrigin::Bsdf { .. } = origin {
+                // What is not there at all takes nothing of a shadow ray either.
+                if let RayOrigin::Bsdf { .. } = origin
+                    && surface.opacity > 0.0
+                {
                     origin = RayOrigin::Transmitted;
                 }
                 continue;

@@ -157,8 +157,8 @@ impl LightMesh {
         if options.method.has_mesh() {
             stats.direct = self.stats();
             stats.indirect = self.indirect_stats();
-            stats.truncated_light =
-                self.indirect.as_ref().and_then(|field| field.truncated_light(options.transport.bounces));
+            let of_points = || self.indirect.as_ref()?.truncated_light(options.transport.bounces);
+            stats.truncated_light = stats.truncated_light.or_else(of_points);
         }
     }
 

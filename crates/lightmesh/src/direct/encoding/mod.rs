@@ -34,7 +34,7 @@ pub(crate) enum DirectEncoding {
 /// The values of one point that has been evaluated and not yet stored.
 #[derive(Debug)]
 pub(super) enum PointValues {
-    SixAxis(SixAxisValues),
+    SixAxis(Box<SixAxisValues>),
     Scalar([Vec4; 2]),
     PerLight(PointStates),
 }
@@ -139,7 +139,7 @@ impl DirectEncoding {
     /// Returns the values of the point whose lights have been traced.
     pub(super) fn evaluate(&self, lights: &PointLights<'_>) -> PointValues {
         match self {
-            Self::SixAxis(own) => PointValues::SixAxis(own.evaluate(lights)),
+            Self::SixAxis(own) => PointValues::SixAxis(Box::new(own.evaluate(lights))),
             Self::Scalar(own) => PointValues::Scalar(own.evaluate(lights)),
             Self::PerLight(own) => PointValues::PerLight(own.evaluate(lights)),
         }

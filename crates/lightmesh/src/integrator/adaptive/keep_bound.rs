@@ -109,7 +109,7 @@ pub(super) fn keep_bound(
     // Report what the plan has.
     let found = best.found;
     let all = if best.plan == first { found.error().max(chosen_error) } else { found.error() };
-    let is_exact = best.plan.primary == Shading::Exact && all < ROUNDING;
+    let is_exact = best.plan.primary == Shading::Exact && !pilot.frame.lighting.has_indirect() && all < ROUNDING;
     let estimate = ErrorEstimate {
         all: if is_exact { 0.0 } else { all },
         direct: found.direct.max(0.0).sqrt(),

@@ -187,10 +187,12 @@ impl Verification {
             noise += f64::from(((a.all - b.all) * scale).length_squared()) / 12.0;
         }
         let variance = (squares / n - (sum / n).powi(2)).max(0.0) / n;
+        // Few pixels may agree by chance, but not better than the noise of the paths lets see.
+        let deviation = variance.sqrt().max(2.0 * noise / n / n.sqrt());
         let relative = 1.0 / (truth * truth);
         Comparison {
             square: sum / n * relative,
-            deviation: variance.sqrt() * relative,
+            deviation: deviation * relative,
             unresolved: 0.0,
             direct: of_direct / n * relative,
             bias: lit / truth - 1.0,
