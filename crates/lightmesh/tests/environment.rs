@@ -5,7 +5,9 @@ use std::f32::consts::PI;
 use crate::common::*;
 use glam::{Quat, Vec3};
 use lightmesh::geometry::Sphere;
-use lightmesh::{Camera, EmitterOptions, Environment, ImageData, Material, Method, Scene, SceneData, Texels};
+use lightmesh::{
+    AlphaMode, Camera, EmitterOptions, Environment, ImageData, Material, Method, Scene, SceneData, Texels,
+};
 
 /// Not the paper's: its one scalar at a mesh point has no side, so a floor gets half of a sky (measured: 0.51).
 const METHODS: [Method; 3] = [Method::Standard, Method::MESH, Method::Path];
@@ -69,6 +71,25 @@ fn a_floor_under_a_constant_sky_has_albedo_times_the_radiance() {
         let pixels = shoot(&build(data, 256), &camera, &options(method).with(|o| o.picture.spp = 4)).image.pixels;
         let ratio = mean(&pixels, |_, _| true) / (albedo * 10.0);
         assert!((ratio - 1.0).abs().max_element() < 0.02, "{method:?}: {ratio}");
+    }
+}
+
+/// Surfaces that are cut out or have no opacity hide nothing of the sky: neither from shadow rays nor from the rays that
+/// paths are made of.
+#[test]
+fn what_is_not_there_hides_nothing_of_the_sky() {
+    for alpha_mode in [AlphaMode::Mask { cutoff: 0.5 }, AlphaMode::Blend] {
+        for method in [Method::Standard, Method::Path, Method::unbiased(4)] {
+            let mut data = floor(Vec3::splat(0.5));
+            data.environment = Some(constant(Vec3::splat(10.0)));
+            data.materials.push(Material { alpha: 0.0, alpha_mode, double_sided: true, ..Material::default() });
+            let corners = [(-3.0, 3.0), (3.0, 3.0), (3.0, -3.0), (-3.0, -3.0)].map(|(x, z)| Vec3::new(x, 1.0, z));
+            place(&mut data, quad(corners, 1));
+            let camera = Camera::look_at(Vec3::new(0.0, 0.9, 0.01), Vec3::ZERO, 0.8);
+            let pixels = shoot(&build(data, 256), &camera, &options(method).with(|o| o.picture.spp = 16)).image.pixels;
+            let ratio = mean(&pixels, |_, _| true) / 5.0;
+            assert!((ratio - 1.0).abs().max_element() < 0.02, "{method:?} {alpha_mode:?}: {ratio}");
+        }
     }
 }
 
