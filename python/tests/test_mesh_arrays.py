@@ -40,6 +40,20 @@ def mesh(scene: Scene) -> LightMesh:
     return mesh
 
 
+def test_the_sun_is_in_the_sum_with_the_lamps() -> None:
+    def filled(scene: Scene) -> NDArray[numpy.float32]:
+        mesh = LightMesh(scene, spacing=0.2, bounces=0)
+        mesh.fill(region=([-2, 0, -2], [2, 3, 2]))
+        order = numpy.lexsort(mesh.points.T)
+        return mesh.values[order][mesh.valid[order]]
+
+    sunny = ball()
+    sunny.add_directional_light([0, -1, 0], 300.0)
+    added = filled(sunny)[:, :, 1] - filled(ball())[:, :, 1]
+    assert added[:, 2] == pytest.approx(300, rel=1e-3)
+    assert numpy.abs(added[:, [0, 1, 3, 4, 5]]).max() < 0.01
+
+
 def test_shapes_and_types(mesh: LightMesh) -> None:
     n = len(mesh.points)
     stats = mesh.stats
