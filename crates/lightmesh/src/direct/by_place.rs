@@ -29,17 +29,17 @@ impl PlacedVertices {
     /// Copies the vertices of some lists; `place` is a number that those at one place share.
     pub(crate) fn sort<'a>(
         lists: impl Iterator<Item = &'a [ShadingPoint]> + Clone,
-        place: impl Fn(Vec3) -> u64,
+        place: impl Fn(Vec3) -> u64 + Sync,
     ) -> Self {
         // Sort numbers of 64 bits: the place, and below it the vertex' number.
         let mut vertices = Vec::new();
         for (list, number) in lists.zip(0..) {
             vertices.extend(list.iter().zip(0..).map(|(vertex, index)| (vertex, (number, index))));
         }
-        let key = |(&(vertex, _), i): (&(&ShadingPoint, _), u64)| fold(place(vertex.position)) << 32 | i;
-        let mut order: Vec<u64> = vertices.iter().zip(0..).map(key).collect();
-        order.sort_unstable();
-        order.iter_mut().for_each(|key| *key &= u64::from(u32::MAX));
+        let key = |(i, &(vertex, _)): (usize, &(&ShadingPoint, _))| fold(place(vertex.position)) << 32 | i as u64;
+        let mut order: Vec<u64> = vertices.par_iter().enumerate().map(key).collect();
+        order.par_sort_unstable();
+        order.par_iter_mut().for_each(|key| *key &= u64::from(u32::MAX));
 
         // Copy them in that order.
         let copy = |chunk: &[u64]| {
@@ -48,7 +48,7 @@ impl PlacedVertices {
             batch
         };
         Self {
-            sources: order.iter().map(|&i| vertices[i as usize].1).collect(),
+            sources: order.par_iter().map(|&i| vertices[i as usize].1).collect(),
             chunks: order.par_chunks(CHUNK).map(copy).collect(),
         }
     }

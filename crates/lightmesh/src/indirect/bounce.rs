@@ -121,7 +121,7 @@ impl IndirectField {
     }
 
     /// Sorts the hits whose light rays bring; `place` is a number that those at one place share.
-    pub(crate) fn place_hits(&self, batch: &[GatherRays], place: impl Fn(Vec3) -> u64) -> PlacedVertices {
+    pub(crate) fn place_hits(&self, batch: &[GatherRays], place: impl Fn(Vec3) -> u64 + Sync) -> PlacedVertices {
         if !self.reflects_light() {
             return PlacedVertices::default();
         }
@@ -144,9 +144,9 @@ impl IndirectField {
         }
         let guided = self.guide(direct, batch)?;
         // Sum what arrives at each point.
-        for (i, gather) in batch.iter_mut().enumerate() {
+        let arriving = |(i, gather): (usize, &GatherRays)| {
             let guided = guided.get(i);
-            let (mut emission, mut first) = ([Vec4::ZERO; 6], [Vec4::ZERO; 6]);
+            let (mut emission, mut first, mut hit_irradiance) = ([Vec4::ZERO; 6], [Vec4::ZERO; 6], 0.0);
             for &(ray, radiance) in &gather.emitted {
                 let weight = guided.map_or(1.0, |guided| guided.weight(ray));
                 self.splat(&mut emission, gather.lobes[ray as usize], radiance * weight);
@@ -155,9 +155,8 @@ impl IndirectField {
                 for (hit, &irradiance) in gather.hits.vertices.iter().zip(&gather.hits.direct) {
                     let weight = guided.map_or(1.0, |guided| guided.weight(hit.id));
                     self.splat(&mut first, gather.lobes[hit.id as usize], hit.weight * irradiance * weight);
-                    self.gather_hit_irradiance.0 += f64::from(irradiance.element_sum() / 3.0);
+                    hit_irradiance += f64::from(irradiance.element_sum() / 3.0);
                 }
-                self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
             }
             if let Some(GuidedRays { rays, .. }) = guided {
                 for &(ray, radiance) in &rays.emitted {
@@ -167,9 +166,17 @@ impl IndirectField {
                     self.splat(&mut first, rays.lobes[hit.id as usize], hit.weight * irradiance);
                 }
             }
-            let faces = self.faces.count();
+            (emission, first, hit_irradiance)
+        };
+        let sums: Vec<_> = batch.par_iter().enumerate().map(arriving).collect();
+        let faces = self.faces.count();
+        for (gather, (emission, first, hit_irradiance)) in batch.iter_mut().zip(sums) {
             pending.emission.extend_from_slice(&emission[..faces]);
             pending.first.extend(first[..faces].iter().zip(&emission).map(|(f, e)| f + e));
+            if self.reflects_light() {
+                self.gather_hit_irradiance.0 += hit_irradiance;
+                self.gather_hit_irradiance.1 += gather.hits.vertices.len() as u64;
+            }
             gather.take_counts(direct);
         }
         Ok(())

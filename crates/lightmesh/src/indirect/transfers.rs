@@ -113,8 +113,8 @@ impl IndirectField {
         for ((list, index), &chosen) in hits.sources().zip(choices.iter().flat_map(|choices| &choices.from)) {
             from[list][index] = self.points.filled(chosen);
         }
-        let lists = batch.iter().zip(from).map(|(gather, from)| transfers(gather, &from));
-        pending.transfers.extend(lists);
+        let lists = batch.par_iter().zip(from).map(|(gather, from)| transfers(gather, &from));
+        pending.transfers.par_extend(lists);
         Ok(rays)
     }
 

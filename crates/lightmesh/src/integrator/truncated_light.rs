@@ -12,7 +12,7 @@ use crate::progress::Reporter;
 use crate::{Error, RenderStats, Stage};
 
 /// Pixels that are looked at.
-const PIXELS: u64 = 1024;
+const PIXELS: u64 = 512;
 
 /// Returns the estimate as a part of all light in the picture, with what is left out, after the picture has been drawn;
 /// `None` where nothing can be said.

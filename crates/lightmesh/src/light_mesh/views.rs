@@ -5,6 +5,7 @@
 //! within which most of the picture is.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::geometry::{Aabb, Ray};
 use crate::interaction::evaluate;
@@ -68,13 +69,16 @@ pub(super) fn focus(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) 
     for camera in cameras {
         let [width, height] = RAYS;
         let rays = camera.film_in(scene.data().origin, &scene.bounds(), width, height);
-        for pixel in 0..width * height {
+        let along = |pixel: u32| {
             let ray = rays.ray((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5);
-            let before = seen.len();
-            follow(scene, ray, pixel, &mut seen);
-            let Some(Seen { position, distance }) = seen.get(before) else { continue };
+            follow(scene, ray, pixel)
+        };
+        let found: Vec<Vec<Seen>> = (0..width * height).into_par_iter().map(along).collect();
+        for found in found {
+            let Some(Seen { position, distance }) = found.first() else { continue };
             first.push(*distance);
             pixels.push(height as f32 / options.picture.height.max(1) as f32 / rays.project(*position).1);
+            seen.extend(found);
         }
     }
 
@@ -96,9 +100,10 @@ pub(super) fn focus(scene: &Scene, options: &RenderOptions, cameras: &[Camera]) 
     Focus::on(&Aabb { min, max }, longest.max(finest * Spacing::AUTO).min(longest * COARSEST))
 }
 
-/// Follows a camera's ray through what is clear to the first surface, and on by diffuse reflections.
-fn follow(scene: &Scene, ray: Ray, pixel: u32, seen: &mut Vec<Seen>) {
-    let start = ray.origin;
+/// Follows a camera's ray through what is clear to the first surface, and on by diffuse reflections. Returns the surfaces
+/// that it meets.
+fn follow(scene: &Scene, ray: Ray, pixel: u32) -> Vec<Seen> {
+    let (start, mut seen) = (ray.origin, Vec::new());
     let (mut ray, mut sampler) = (ray, Sampler::new(0, pixel, 0));
     let (mut reflections, mut passes) = (0, 0);
     while let Some(hit) = scene.bvh().closest(&ray) {
@@ -111,13 +116,14 @@ fn follow(scene: &Scene, ray: Ray, pixel: u32, seen: &mut Vec<Seen>) {
         }
         seen.push(Seen { position: surface.position, distance: surface.position.distance(start) });
         if reflections == REFLECTIONS {
-            return;
+            break;
         }
         reflections += 1;
         let (t, b) = basis(surface.ng);
         let local = sample_cosine_hemisphere(sampler.next_pair());
         ray = surface.spawn_ray(t * local.x + b * local.y + surface.ng * local.z);
     }
+    seen
 }
 
 /// Returns the value below which a part of the values is; `None` for none.
