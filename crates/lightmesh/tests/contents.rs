@@ -98,7 +98,7 @@ fn parts_of_the_light_travel_too() {
     data.lights.push(Light::Directional { direction: Vec3::NEG_Y, illuminance_lux: Vec3::new(9.0, 8.0, 7.0) });
     let (_, contents) = check_shared(&Scene::new(data).expect("scene"), &with_bounces(Method::MESH, 2));
     let DirectValues::SixAxisParts(values) = &contents.direct.values else { panic!("{:?}", contents.direct.values) };
-    assert_eq!(values.len(), contents.direct.points.addresses.len() * 72);
+    assert_eq!(values.len(), contents.direct.points.addresses.len() * 108);
 }
 
 #[test]

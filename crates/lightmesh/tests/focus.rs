@@ -86,8 +86,8 @@ fn what_is_outside_a_closed_room_changes_nothing_in_it() {
 }
 
 /// Sun and sky of thousands of times the lamps' light outside a closed room: they are no noise in it, whatever rays are
-/// shared out by, and no pixel is below 0. *Hybrid* knows the lights one by one (measured: 0.2%); `mesh` keeps parallel
-/// lights for themselves (3e-8; 0.26 with all in one sum).
+/// shared out by, and no pixel is below 0. *Hybrid* knows the lights one by one (measured: 0.2%); `mesh` keeps suns
+/// and sky for themselves (3e-8; 0.26 with all in one sum).
 #[test]
 fn daylight_outside_a_closed_room_is_no_noise_in_it() {
     for (method, most) in [(Method::MESH, 1e-4), (Method::Hybrid, 0.02)] {

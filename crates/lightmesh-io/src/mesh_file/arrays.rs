@@ -21,7 +21,7 @@ pub(super) fn to_tensors(contents: &Snapshot) -> Vec<Tensor<'_>> {
             tensors.push(Tensor::new("direct.six_axis".into(), &[n, 6, 2, 3], Cow::Borrowed(values)));
         }
         DirectValues::SixAxisParts(values) => {
-            tensors.push(Tensor::new("direct.six_axis_parts".into(), &[n, 2, 6, 2, 3], Cow::Borrowed(values)));
+            tensors.push(Tensor::new("direct.six_axis_parts".into(), &[n, 3, 6, 2, 3], Cow::Borrowed(values)));
         }
         DirectValues::Scalar(values) => {
             tensors.push(Tensor::new("direct.scalar".into(), &[n, 2, 3], Cow::Borrowed(values)));
@@ -80,7 +80,7 @@ pub(super) fn read_contents(arrays: &mut ArrayReader<'_>) -> Result<Snapshot, Er
         .find(|name| arrays.has(name));
     let values = match given {
         Some(name @ "direct.six_axis_parts") => {
-            DirectValues::SixAxisParts(arrays.read(name, &Shape::of([n, 2, 6, 2, 3]))?.0)
+            DirectValues::SixAxisParts(arrays.read(name, &Shape::of([n, 3, 6, 2, 3]))?.0)
         }
         Some("direct.scalar") => DirectValues::Scalar(arrays.read("direct.scalar", &Shape::of([n, 2, 3]))?.0),
         Some("direct.light_bits") => {

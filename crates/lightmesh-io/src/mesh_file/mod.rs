@@ -12,7 +12,7 @@
 //! | `direct.clearances` | U8 (N, 6) | room towards ±x, ±y, ±z, in 1/255 of the spacing |
 //! | `direct.invalid`, `direct.invalid_positions` | I32 (M, 4), F32 (M, 3) | points inside solids |
 //! | `direct.six_axis` | F32 (N, 6, 2, 3) | lux on planes that face ±x, ±y, ±z: arriving, and if nothing were in the way |
-//! | `direct.six_axis_parts` | F32 (N, 2, 6, 2, 3) | the same of lights at finite distances, then of parallel ones, where there are both |
+//! | `direct.six_axis_parts` | F32 (N, 3, 6, 2, 3) | the same of lights at finite distances, of the sky and of suns, where there are suns or both others |
 //! | or `direct.scalar` | F32 (N, 2, 3) | the paper's DirectLight, and what it is divided by |
 //! | or `direct.light_bits` | U64 (N, 2, W) | what is known of each light |
 //! | or `direct.run_ends`, `direct.runs` | U64 (N), U32 (R) | the same of clusters of lights |

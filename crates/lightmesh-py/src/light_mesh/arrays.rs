@@ -52,11 +52,12 @@ impl MeshArrays {
     }
 }
 
-/// Sums the values of lights at finite distances and those of parallel ones.
+/// Sums the values of the parts of the lights.
 fn sum_parts(values: &[f32]) -> Vec<f32> {
     const PART: usize = 6 * 2 * 3;
-    let sum = |point: &[f32]| -> [f32; PART] { std::array::from_fn(|i| point[i] + point[PART + i]) };
-    values.chunks_exact(2 * PART).flat_map(sum).collect()
+    let sum =
+        |point: &[f32]| -> [f32; PART] { std::array::from_fn(|i| point[i] + point[PART + i] + point[2 * PART + i]) };
+    values.chunks_exact(3 * PART).flat_map(sum).collect()
 }
 
 impl PyMeshArrays {

@@ -43,7 +43,7 @@ impl DirectField {
         if self.lights.has_clusters() { self.lights.region(p) } else { self.points.place(p) }
     }
 
-    /// Whether parallel lights are kept for themselves.
+    /// Whether parts of the lights are kept for themselves.
     pub(super) fn has_parts(&self) -> bool {
         self.encoding.has_parts()
     }

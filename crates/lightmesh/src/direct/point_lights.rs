@@ -64,7 +64,8 @@ pub(super) struct PointLight {
     pub direction: Vec3,
     /// V_i, the part that arrives, per channel.
     pub visible: Vec3,
-    pub is_parallel: bool,
+    /// [`LightSamples::part`](crate::light::LightSamples::part).
+    pub part: usize,
 }
 
 impl<'a> PointLights<'a> {
@@ -158,7 +159,7 @@ impl<'a> PointLights<'a> {
                     f: 1.0,
                     direction: light.position,
                     visible: Vec3::ZERO,
-                    is_parallel: true,
+                    part: 1,
                 };
                 self.sky.push(SkyRay { index, light, is_mixed: known > 0.0 && known < 1.0 });
             }
@@ -196,8 +197,8 @@ impl<'a> PointLights<'a> {
                 return None;
             }
             let direction = Vec3::new(dx[lane], dy[lane], dz[lane]);
-            let is_parallel = lights.is_directional(lane);
-            Some(PointLight { intensity: lights.intensity(lane), f: f[lane], direction, visible, is_parallel })
+            let part = lights.part(lane);
+            Some(PointLight { intensity: lights.intensity(lane), f: f[lane], direction, visible, part })
         });
         single.chain(self.sky.iter().map(|ray| ray.light))
     }

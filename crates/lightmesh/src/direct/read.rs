@@ -7,7 +7,7 @@ use super::field::DirectField;
 use super::region_visibility::RegionVisibility;
 use super::visibility_estimate::VisibilityEstimate;
 use crate::interaction::ShadingPoint;
-use crate::light::LightSamples;
+use crate::light::{LightSamples, PARTS};
 use crate::mesh::{CachedReader, CornerVisibility, Interpolator, Marks, ReadResult};
 use crate::{MissingCorners, Scene};
 
@@ -26,8 +26,8 @@ pub(crate) enum Reading {
 pub(crate) struct DirectReader<'a> {
     pub(super) field: &'a DirectField,
     pub(super) cached: CachedReader<'a, ArrivingLight>,
-    /// Where parallel lights are kept for themselves.
-    parts: Option<CachedReader<'a, [ArrivingLight; 2]>>,
+    /// Where parts of the lights are kept for themselves.
+    parts: Option<CachedReader<'a, [ArrivingLight; PARTS]>>,
     /// The visibility of each light, by the points that were read last.
     pub(super) estimate: VisibilityEstimate,
     pub(super) samples: &'a LightSamples,
@@ -79,16 +79,15 @@ impl DirectReader<'_> {
         }
     }
 
-    /// [`Self::read`] where parallel lights are kept for themselves; `unshadowed` by the lights at finite distances and by
-    /// them.
-    pub(crate) fn read_parts(&mut self, vertex: &ShadingPoint, unshadowed: [Vec3; 2], marks: &Marks) -> Reading {
+    /// [`Self::read`] where parts of the lights are kept for themselves; `unshadowed` by each of them.
+    pub(crate) fn read_parts(&mut self, vertex: &ShadingPoint, unshadowed: [Vec3; PARTS], marks: &Marks) -> Reading {
         let (Some(parts), encoding) = (&mut self.parts, &self.field.encoding) else { return Reading::Unavailable };
         let light = parts.fold(
             vertex,
             marks,
-            [ArrivingLight::default(); 2],
+            [ArrivingLight::default(); PARTS],
             |index| encoding.project_parts(index, vertex.n),
-            |[a, b], [c, d], weight| [a.plus(c, weight), b.plus(d, weight)],
+            |sums, lights, weight| std::array::from_fn(|part| sums[part].plus(lights[part], weight)),
         );
         match light {
             Ok(light) => moderate_parts(light, unshadowed),
@@ -157,7 +156,7 @@ fn moderate(light: ArrivingLight, unshadowed: Vec3) -> Reading {
 }
 
 /// Returns the part of the light that arrives, from each part of the lights by itself.
-fn moderate_parts(light: [ArrivingLight; 2], unshadowed: [Vec3; 2]) -> Reading {
+fn moderate_parts(light: [ArrivingLight; PARTS], unshadowed: [Vec3; PARTS]) -> Reading {
     let mut arriving = Vec3::ZERO;
     for (light, unshadowed) in light.into_iter().zip(unshadowed) {
         match moderate(light, unshadowed) {
@@ -167,7 +166,8 @@ fn moderate_parts(light: [ArrivingLight; 2], unshadowed: [Vec3; 2]) -> Reading {
             Reading::Unavailable | Reading::Pending => {}
         }
     }
-    Reading::Visibility(arriving / (unshadowed[0] + unshadowed[1]).max(Vec3::splat(f32::MIN_POSITIVE)))
+    let all: Vec3 = unshadowed.into_iter().sum();
+    Reading::Visibility(arriving / all.max(Vec3::splat(f32::MIN_POSITIVE)))
 }
 
 /// Returns the part of the light that arrives.

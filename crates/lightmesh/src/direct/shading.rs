@@ -14,7 +14,7 @@ use super::plan::{LightingPlan, Shading};
 use super::read::Reading;
 use super::read_lights::LightsReading;
 use crate::interaction::{MirroredLights, MirroredShader, ShadingPoint};
-use crate::light::{LightCut, LightSamples};
+use crate::light::{LightCut, LightSamples, PARTS};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
 use crate::sampling::{fold_seed, hash, seed_of_position};
@@ -26,15 +26,17 @@ use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 const FALLBACK_RAYS: u32 = 16;
 const FALLBACK_RAYS_OF_GATHER_HITS: u32 = 1;
 
+/// The part of the lights that suns are ([`LightSamples::part`]).
+const SUNS: usize = 2;
+
 /// Vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]
 pub(crate) struct ShadingBatch {
     pub vertices: Vec<ShadingPoint>,
     /// Direct irradiance of each vertex, lux.
     pub direct: Vec<Vec3>,
-    /// Without shadows, by the lights at finite distances and by the parallel ones, where the mesh keeps these for
-    /// themselves; else empty.
-    parts: Vec<[Vec3; 2]>,
+    /// Without shadows, by parts of the lights, where the mesh keeps these for themselves; else empty.
+    parts: Vec<[Vec3; PARTS]>,
     /// Vertices that have not been shaded yet.
     waiting: Vec<u32>,
     exact: ExactShader,
@@ -82,7 +84,7 @@ impl ShadingBatch {
         if has_parts {
             lights.irradiance_of_parts(level, falloff, vertices, &mut self.parts);
             self.direct.clear();
-            self.direct.extend(self.parts.iter().map(|[near, parallel]| near + parallel));
+            self.direct.extend(self.parts.iter().map(|parts| parts.iter().sum::<Vec3>()));
         } else {
             lights.irradiance(level, falloff, vertices, &mut self.direct);
         }
@@ -112,20 +114,38 @@ impl ShadingBatch {
     }
 
     /// Multiplies formula (2) with formula (3g) for the vertices that wait; those whose mesh points are empty mark them
-    /// and stay in the list.
+    /// and stay in the list. In the picture itself suns get shadow rays: their shadows are sharp.
     fn shade_by_mesh(&mut self, context: MeshContext<'_>) {
         let MeshContext { scene, falloff, field, marks, visibility, .. } = context;
         let mut reader = field.reader(scene, visibility);
         let mut lights = field.lights().at(scene);
-        let Self { waiting, vertices, direct, parts, few_rays, shadow_rays, fallbacks, .. } = self;
+        let suns = LightCut::all(&scene.emitters().suns);
+        let Self { waiting, vertices, direct, parts, exact, few_rays, shadow_rays, fallbacks, .. } = self;
         waiting.retain(|&i| {
             let (vertex, irradiance) = (&vertices[i as usize], &mut direct[i as usize]);
+            let mut by_suns = Vec3::ZERO;
             let reading = match parts.get(i as usize) {
-                Some(&parts) => reader.read_parts(vertex, parts, marks),
+                Some(&(mut parts)) => {
+                    if visibility == CornerVisibility::All {
+                        by_suns = std::mem::take(&mut parts[SUNS]);
+                    }
+                    *irradiance = parts.iter().sum();
+                    match *irradiance == Vec3::ZERO {
+                        true => Reading::Visibility(Vec3::ONE),
+                        false => reader.read_parts(vertex, parts, marks),
+                    }
+                }
                 None => reader.read(vertex, *irradiance, marks),
             };
             match reading {
-                Reading::Visibility(visibility) => *irradiance *= visibility,
+                Reading::Visibility(visibility) => {
+                    *irradiance *= visibility;
+                    if by_suns != Vec3::ZERO {
+                        let (sum, rays) = exact.irradiance(scene, &suns, falloff, vertex, 0);
+                        *irradiance += sum;
+                        *shadow_rays += rays;
+                    }
+                }
                 // Without a usable point, trace shadow rays.
                 Reading::Unavailable => {
                     lights.set_receiver(vertex.position, falloff);

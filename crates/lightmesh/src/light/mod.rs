@@ -18,7 +18,7 @@ pub(crate) use emitters::sphere::sample_unit_ball;
 pub(crate) use light_cut::LightCut;
 pub(crate) use mirrors::{PlaneMirror, plane_mirrors};
 pub(crate) use sample::SampledLight;
-pub(crate) use samples::{Directions, LANES, LightSamples, shadow_ray_to};
+pub(crate) use samples::{Directions, LANES, LightSamples, PARTS, shadow_ray_to};
 pub(crate) use stratum::Stratum;
 pub(crate) use tree::LightTree;
 pub(crate) use tree::bound::Receivers;

@@ -28,6 +28,9 @@ use super::stratum::{LaneStratum, Stratum};
 use crate::Falloff;
 use crate::geometry::Ray;
 
+/// Parts into which lights fall: see [`LightSamples::part`].
+pub(crate) const PARTS: usize = 3;
+
 /// Lights per block.
 pub(crate) const LANES: usize = 16;
 
@@ -219,24 +222,33 @@ impl LightSamples {
         dispatch!(level, simd => irradiance_simd(simd, self, falloff, points, out));
     }
 
-    /// [`Self::irradiance`] of the lights at finite distances and of the parallel ones, each for itself.
+    /// [`Self::irradiance`] of each part of the lights (see [`LightSamples::part`]).
     pub(crate) fn irradiance_of_parts(
         &self,
         level: Level,
         falloff: Falloff,
         points: impl ExactSizeIterator<Item = (Vec3, Vec3)>,
-        out: &mut Vec<[Vec3; 2]>,
+        out: &mut Vec<[Vec3; PARTS]>,
     ) {
         out.clear();
         out.reserve(points.len());
         dispatch!(level, simd => irradiance_of_parts_simd(simd, self, falloff, points, out));
     }
 
-    /// Whether there are lights at finite distances and parallel ones.
-    pub(crate) fn has_both_parts(&self) -> bool {
-        let mut lit = (0..self.lanes()).filter(|&lane| self.intensity(lane) != Vec3::ZERO);
-        let first = lit.next().map(|lane| self.is_directional(lane));
-        first.is_some_and(|first| lit.any(|lane| self.is_directional(lane) != first))
+    /// Returns the part of the lights to which a lane belongs: 0 at a finite distance, 1 of the sky, 2 a sun.
+    pub(crate) fn part(&self, lane: usize) -> usize {
+        match (self.is_directional(lane), self.stratum(lane)) {
+            (false, _) => 0,
+            (true, Stratum::Sky(_)) => 1,
+            (true, _) => 2,
+        }
+    }
+
+    /// Whether there are suns, or lights of two parts.
+    pub(crate) fn has_parts(&self) -> bool {
+        let mut lit = (0..self.lanes()).filter(|&lane| self.intensity(lane) != Vec3::ZERO).map(|lane| self.part(lane));
+        let first = lit.next();
+        first.is_some_and(|first| first == 2 || lit.any(|part| part != first))
     }
 
     /// Evaluates d and f of every lane at a point.
@@ -292,12 +304,18 @@ fn irradiance_of_parts_simd<S: Simd>(
     lights: &LightSamples,
     falloff: Falloff,
     points: impl ExactSizeIterator<Item = (Vec3, Vec3)>,
-    out: &mut Vec<[Vec3; 2]>,
+    out: &mut Vec<[Vec3; PARTS]>,
 ) {
     let zero = f32x16::splat(simd, 0.0);
     let plain = (lights.blocks.len() - lights.spots.len()) * LANES;
+    // By block of spots and part: 1 for the lanes that belong to it.
+    let belongs = |first: usize, part: usize| -> [f32; LANES] {
+        std::array::from_fn(|i| f32::from(u8::from(lights.part(first + i) == part)))
+    };
+    let masks: Vec<[[f32; LANES]; PARTS]> =
+        (plain..lights.lanes()).step_by(LANES).map(|first| std::array::from_fn(|part| belongs(first, part))).collect();
     for (p, n) in points {
-        let mut sums = [[zero; 3]; 2];
+        let mut sums = [[zero; 3]; PARTS];
         for_each_block(
             simd,
             lights,
@@ -307,13 +325,16 @@ fn irradiance_of_parts_simd<S: Simd>(
             |block, first, l| {
                 let e = (l.dx * n.x + l.dy * n.y + l.dz * n.z).max(zero) * l.f;
                 // All before the spots are at finite distances.
-                let spots = first.checked_sub(plain).map(|lane| &lights.spots[lane / LANES]);
-                let near = spots.map(|spots| f32x16::load_array_ref(simd, &spots.w).simd_gt(zero).select(e, zero));
+                let masks = first.checked_sub(plain).map(|lane| &masks[lane / LANES]);
                 for (channel, intensity) in [&block.r, &block.g, &block.b].into_iter().enumerate() {
-                    let intensity = f32x16::from_slice(simd, intensity);
-                    sums[0][channel] += near.unwrap_or(e) * intensity;
-                    if let Some(near) = near {
-                        sums[1][channel] += (e - near) * intensity;
+                    let light = e * f32x16::from_slice(simd, intensity);
+                    match masks {
+                        None => sums[0][channel] += light,
+                        Some(masks) => {
+                            for (sum, mask) in sums.iter_mut().zip(masks) {
+                                sum[channel] += light * f32x16::load_array_ref(simd, mask);
+                            }
+                        }
                     }
                 }
             },

@@ -17,6 +17,7 @@ use scalar::Scalar;
 use six_axis::{SixAxis, SixAxisValues};
 
 use super::point_lights::PointLights;
+use crate::light::PARTS;
 use crate::options::PointKind;
 use crate::{Error, Falloff, MeshKey, RenderOptions, Scene};
 
@@ -57,8 +58,8 @@ pub enum DirectValues {
     /// faces +x, −x, +y, −y, +z, −z: the irradiance that arrives, and the irradiance without occlusion, RGB. (With a
     /// falloff other than r², in its units.)
     SixAxis(Vec<f32>),
-    /// The same where some lights are parallel and others at finite distances: shape (N, 2, 6, 2, 3), those at finite
-    /// distances first.
+    /// The same where there are suns, or lamps and a sky: shape (N, 3, 6, 2, 3), lights at finite distances, the sky, and
+    /// suns.
     SixAxisParts(Vec<f32>),
     /// [`Method::Paper`](crate::options::Method::Paper): shape (N, 2, 3). For each point DirectLight of formula (1),
     /// and the value that it is divided by, RGB.
@@ -108,7 +109,7 @@ impl DirectEncoding {
             PointKind::ByLight => Self::PerLight(PerLight::new(scene, cluster_leaves, falloff)),
             PointKind::Scalar { field_falloff, scale } => Self::Scalar(Scalar::new(scene, field_falloff, scale)),
             PointKind::SixAxis => {
-                let has_parts = cluster_leaves.is_none() && scene.lights().has_both_parts();
+                let has_parts = cluster_leaves.is_none() && scene.lights().has_parts();
                 Self::SixAxis(SixAxis::new(falloff, has_parts))
             }
         }
@@ -165,16 +166,16 @@ impl DirectEncoding {
         }
     }
 
-    /// [`Self::project`] of the lights at finite distances and of the parallel ones, where these are kept for themselves.
+    /// [`Self::project`] of each part of the lights, where parts are kept for themselves.
     #[inline(always)]
-    pub(super) fn project_parts(&self, index: u32, n: Vec3) -> [ArrivingLight; 2] {
+    pub(super) fn project_parts(&self, index: u32, n: Vec3) -> [ArrivingLight; PARTS] {
         match self {
             Self::SixAxis(own) => own.project_parts(index, n),
-            Self::Scalar(_) | Self::PerLight(_) => [self.project(index, n), ArrivingLight::default()],
+            Self::Scalar(_) | Self::PerLight(_) => [ArrivingLight::default(); PARTS],
         }
     }
 
-    /// Whether parallel lights are kept for themselves.
+    /// Whether parts of the lights are kept for themselves.
     pub(super) fn has_parts(&self) -> bool {
         matches!(self, Self::SixAxis(own) if own.has_parts())
     }

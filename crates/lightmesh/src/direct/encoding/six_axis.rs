@@ -9,10 +9,10 @@
 //! Example: the unshadowed light on the −y face (s = 3) of point 2 is value 12 · 2 + 2 · 3 + 1 = 31. A surface of
 //! normal n sums the three faces that n points to, each times the square of its component of n.
 //!
-//! Where some lights are parallel, as the sun and the sky are, and others at finite distances, point p has twice as many
-//! values, `24 p .. 24 (p + 1)`: first those of the lights at finite distances, then those of the parallel ones. Each part
-//! is read by itself. In one sum, daylight that does not come into a room would decide how the light of its lamps changes
-//! between a wall and the points before it: a closed room with a sun outside had 26% error.
+//! Where there are suns, or lamps and a sky, point p has three times as many values, `36 p .. 36 (p + 1)`: first those of
+//! the lights at finite distances, then those of the sky, then those of suns. Each part is read by itself. In one sum,
+//! daylight that does not come into a room would decide how the light of its lamps changes between a wall and the points
+//! before it: a closed room with a sun outside had 26% error.
 //!
 //! Readers sum both over the points around them and divide last, so that a point close to a lamp, which receives most
 //! of the light, weighs most. (Dividing at each point instead costs half the memory; measured on the room of 15 / 100
@@ -23,21 +23,22 @@ use glam::{Vec3, Vec4};
 use super::super::point_lights::PointLights;
 use super::plain_arrays::{check_finite, check_length, rgb, values};
 use super::{ArrivingLight, DirectValues};
+use crate::light::PARTS;
 use crate::mesh::AmbientCube;
 use crate::{Error, Falloff};
 
 /// Values of a part: six faces, visible and unshadowed.
 const PART: usize = 12;
 
-/// The values of one point, by part; of one part, the second is left out.
-pub(in crate::direct) type SixAxisValues = [[Vec4; PART]; 2];
+/// The values of one point, by part; of one part, the others are left out.
+pub(in crate::direct) type SixAxisValues = [[Vec4; PART]; PARTS];
 
 /// The values of all points.
 #[derive(Debug)]
 pub(crate) struct SixAxis {
     /// φ3: the weights of the lights are those of the sum that the ratio multiplies.
     pub(super) falloff: Falloff,
-    /// 1, or 2 where parallel lights are a part of their own.
+    /// 1, or all where lights fall into parts.
     parts: usize,
     values: Vec<Vec4>,
 }
@@ -46,14 +47,14 @@ impl SixAxis {
     /// What the encoding keeps, for messages.
     pub(super) const NAME: &str = "six axes";
 
-    /// No points; `has_parts`: parallel lights are kept for themselves.
+    /// No points; `has_parts`: parts of the lights are kept for themselves.
     pub(super) fn new(falloff: Falloff, has_parts: bool) -> Self {
-        Self { falloff, parts: 1 + usize::from(has_parts), values: Vec::new() }
+        Self { falloff, parts: if has_parts { PARTS } else { 1 }, values: Vec::new() }
     }
 
-    /// Whether parallel lights are kept for themselves.
+    /// Whether parts of the lights are kept for themselves.
     pub(super) fn has_parts(&self) -> bool {
-        self.parts == 2
+        self.parts == PARTS
     }
 
     /// Values of a point.
@@ -68,9 +69,9 @@ impl SixAxis {
 
     /// Returns the values of a point: formula (1) for each face, with and without V_i.
     pub(super) fn evaluate(&self, lights: &PointLights<'_>) -> SixAxisValues {
-        let mut parts = [[Vec4::ZERO; PART]; 2];
+        let mut parts = [[Vec4::ZERO; PART]; PARTS];
         for light in lights.iter() {
-            let values = &mut parts[usize::from(self.has_parts() && light.is_parallel)];
+            let values = &mut parts[if self.has_parts() { light.part } else { 0 }];
             let intensity = (light.intensity * light.f).extend(0.0);
             for (axis, component) in light.direction.to_array().into_iter().enumerate() {
                 let face = 2 * axis + usize::from(component < 0.0);
@@ -95,9 +96,9 @@ impl SixAxis {
 
     /// [`Self::project`] of each part.
     #[inline(always)]
-    pub(super) fn project_parts(&self, index: u32, n: Vec3) -> [ArrivingLight; 2] {
+    pub(super) fn project_parts(&self, index: u32, n: Vec3) -> [ArrivingLight; PARTS] {
         let cube = AmbientCube::facing(n);
-        [0, 1].map(|part| self.project_part(index, part, &cube))
+        std::array::from_fn(|part| self.project_part(index, part, &cube))
     }
 
     #[inline(always)]
@@ -115,7 +116,7 @@ impl SixAxis {
         size_of_val(self.values.as_slice()) as u64
     }
 
-    /// Copies some points: shape (N, 6, 2, 3), or (N, 2, 6, 2, 3) with parts.
+    /// Copies some points: shape (N, 6, 2, 3), or (N, 3, 6, 2, 3) with parts.
     pub(super) fn snapshot(&self, indices: impl Iterator<Item = u32>) -> DirectValues {
         let stride = self.stride();
         let numbers = indices.flat_map(|i| rgb(&self.values[i as usize * stride..][..stride])).collect();

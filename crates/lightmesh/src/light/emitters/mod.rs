@@ -37,7 +37,7 @@ use super::stratum::{LaneStratum, Stratum};
 use crate::Error;
 use crate::bvh::SceneBvh;
 use crate::sampling::{hash, unit_f32};
-use crate::scene::{EmitterOptions, SceneData};
+use crate::scene::{EmitterOptions, Light, SceneData};
 
 /// Most samples of all emitters together: 64 MiB of them.
 const MAX_SAMPLES: u64 = 1 << 20;
@@ -51,6 +51,8 @@ pub(crate) struct Emitters {
     pub environment: Option<EnvironmentLight>,
     /// Punctual lights alone, as points.
     pub punctual: LightSamples,
+    /// Those of them that are parallel.
+    pub suns: LightSamples,
     /// The samples of the mesh methods: of all emitters but those that are left to gather rays.
     pub sampled: LightSamples,
     /// The samples of all emitters; `None` where these are `sampled`.
@@ -101,8 +103,10 @@ impl Emitters {
             LightSamples::of_strata(&samples)
         });
         let punctual: Vec<LightSample> = data.lights.iter().map(|&light| LightSample::Punctual(light)).collect();
+        let is_sun = |light: &&LightSample| matches!(light, LightSample::Punctual(Light::Directional { .. }));
+        let suns = LightSamples::new(&punctual.iter().filter(is_sun).copied().collect::<Vec<_>>());
         let punctual = LightSamples::new(&punctual);
-        Ok(Self { area, environment, punctual, sampled, all, light_radius: options.light_radius, balls })
+        Ok(Self { area, environment, punctual, suns, sampled, all, light_radius: options.light_radius, balls })
     }
 
     /// All samples, those of weak emitters too.
