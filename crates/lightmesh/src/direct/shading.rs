@@ -86,6 +86,7 @@ impl ShadingBatch {
             self.direct.clear();
             self.direct.extend(self.parts.iter().map(|parts| parts.iter().sum::<Vec3>()));
         } else {
+            self.parts.clear();
             lights.irradiance(level, falloff, vertices, &mut self.direct);
         }
         self.await_lit();
@@ -93,6 +94,7 @@ impl ShadingBatch {
 
     /// [`Self::sum_unshadowed`] with sums that have been computed.
     fn set_unshadowed(&mut self, sums: &[Vec3]) {
+        self.parts.clear();
         self.direct.clear();
         self.direct.extend_from_slice(sums);
         self.await_lit();
