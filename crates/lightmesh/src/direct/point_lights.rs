@@ -8,7 +8,7 @@ use super::sky_views::SkyAround;
 use crate::Falloff;
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
-use crate::light::{Directions, LightCut, Stratum, shadow_ray_to};
+use crate::light::{Directions, LightCut, SKY, Stratum, shadow_ray_to};
 use crate::sampling::{hash, seed_of_position};
 use crate::world::Scene;
 
@@ -159,7 +159,7 @@ impl<'a> PointLights<'a> {
                     f: 1.0,
                     direction: light.position,
                     visible: Vec3::ZERO,
-                    part: 1,
+                    part: SKY,
                 };
                 self.sky.push(SkyRay { index, light, is_mixed: known > 0.0 && known < 1.0 });
             }

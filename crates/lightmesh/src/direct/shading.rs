@@ -14,7 +14,7 @@ use super::plan::{LightingPlan, Shading};
 use super::read::Reading;
 use super::read_lights::LightsReading;
 use crate::interaction::{MirroredLights, MirroredShader, ShadingPoint};
-use crate::light::{LightCut, LightSamples, PARTS};
+use crate::light::{LightCut, LightSamples, PARTS, SUNS};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
 use crate::sampling::{fold_seed, hash, seed_of_position};
@@ -25,9 +25,6 @@ use crate::{Error, Falloff, RenderOptions, RenderStats, Scene};
 /// samples of the sky it took 37 times as long as `path`.
 const FALLBACK_RAYS: u32 = 16;
 const FALLBACK_RAYS_OF_GATHER_HITS: u32 = 1;
-
-/// The part of the lights that suns are ([`LightSamples::part`]).
-const SUNS: usize = 2;
 
 /// Vertices and their direct irradiance; buffers are kept from use to use.
 #[derive(Debug, Default)]

@@ -142,13 +142,19 @@ impl IndirectField {
         }
         let last = mean(n) - mean(n - 1);
         let before = if n == 1 { direct + mean(0) } else { mean(n - 1) - mean(n - 2) };
-        let ratio = last / before;
-        if last <= 0.0 {
-            return Some(0.0);
-        }
-        let rest = last * ratio / (1.0 - ratio);
-        (ratio < 1.0).then(|| rest / (total + rest))
+        further_bounces(total, last, before)
     }
+}
+
+/// Returns what bounces after the last one would add, as a part of all light with it, if the ratio of the last two, `last` and
+/// `before`, went on for ever: rest = last · q / (1 − q), q = last / before. `None` where q is 1 or more.
+pub(crate) fn further_bounces(total: f64, last: f64, before: f64) -> Option<f64> {
+    if last <= 0.0 {
+        return Some(0.0);
+    }
+    let ratio = last / before;
+    let rest = last * ratio / (1.0 - ratio);
+    (before > 0.0 && ratio < 1.0).then(|| rest / (total + rest))
 }
 
 /// Reads the field vertex by vertex. Neighbouring vertices mostly share cell and normal: what the corners know about

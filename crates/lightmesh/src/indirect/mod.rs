@@ -17,7 +17,7 @@ mod transfers;
 
 pub(crate) use bounce::POINTS_AT_ONCE;
 pub(crate) use control_variate::{GatherPaths, GoOn};
-pub(crate) use field::{IndirectField, IndirectReading};
+pub(crate) use field::{IndirectField, IndirectReading, further_bounces};
 pub(crate) use gather::{GatherRays, sphere_directions};
 pub(crate) use probing::Marked;
 pub(crate) use transfers::PendingLight;

@@ -1,17 +1,17 @@
 //! What bounces after the last one would add to a picture: as if the ratio of the last two went on for ever.
 //!
-//! It is measured where the picture is: in a room with a sun outside, most mesh points may be in the sunshine.
+//! It is measured in the picture: in a room with a sun outside, most mesh points may be in the sunshine.
 
 use crate::direct::LightingPlan;
 use crate::film::{Film, RenderClock};
-use crate::indirect::IndirectReading;
+use crate::indirect::{IndirectReading, further_bounces};
 use crate::integrator::lighting::Lighting;
 use crate::integrator::wave::{WaveFrame, WaveSink};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
 use crate::{Error, RenderStats, Stage};
 
-/// Pixels that are looked at.
+/// Pixels that are looked at, at most. A judgement.
 const PIXELS: u64 = 512;
 
 /// Returns the estimate as a part of all light in the picture, with what is left out, after the picture has been drawn;
@@ -55,11 +55,6 @@ pub(crate) fn truncated_light(
     }
 
     // Let the ratio go on.
-    let (last, before) = (sums[0] - sums[1], sums[1] - sums[2]);
-    if all <= 0.0 || last <= 0.0 {
-        return Ok((all > 0.0).then_some(0.0));
-    }
-    let ratio = last / before;
-    let rest = last * ratio / (1.0 - ratio);
-    Ok((before > 0.0 && ratio < 1.0).then(|| rest / (all + rest)))
+    let [last, before, first] = sums;
+    Ok(if all > 0.0 { further_bounces(all, last - before, before - first) } else { None })
 }
