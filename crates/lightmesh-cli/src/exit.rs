@@ -1,6 +1,6 @@
 //! Errors said once, and exit codes.
 //!
-//! 0 done; 1 failed while working; 2 bad input or usage; 3 done, but not within the error asked for (`--strict`); 130
+//! 0 done; 1 failed while working, or pixels are no numbers; 2 bad input or usage; 3 done, but not within the error asked for (`--strict`); 130
 //! interrupted.
 
 use clap::error::ErrorKind;

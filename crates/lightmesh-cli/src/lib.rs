@@ -36,14 +36,14 @@ pub use crate::{
     compare::visible_difference,
     environment::{FirstLit, add_first_light, apply as apply_environment, read as read_environment},
     settings::json as settings_json,
-    stats::{MeshesStats, Stats, WorkStats},
+    stats::{MeshesStats, Stats, WorkStats, non_finite_message},
 };
 
 /// Name and version of the program, as picture files carry it.
 pub const SOFTWARE: &str = concat!("lightmesh ", env!("CARGO_PKG_VERSION"));
 
 /// Runs the program with these arguments, its own name first, and returns its exit code: 0 done; 1 failed while
-/// working; 2 bad input or usage; 3 the picture is written but not within `--error` (with `--strict`); 130 interrupted. It
+/// working, or the picture is written and has pixels that are no numbers; 2 bad input or usage; 3 the picture is written but not within `--error` (with `--strict`); 130 interrupted. It
 /// may end the process itself, after Ctrl-C.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {

@@ -19,7 +19,7 @@ use crate::{
     preview::Preview,
     progress::Bar,
     settings,
-    stats::Stats,
+    stats::{Stats, non_finite_message},
     terminal,
 };
 
@@ -151,6 +151,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             start.elapsed().as_secs_f64(),
             frame.stats.seconds.render
         ));
+    }
+    if let Some(message) = non_finite_message(&frame.stats, &frame.image) {
+        return Err(Failure::Work(anyhow!(message)));
     }
     match (options.method.error(), &frame.stats.error_estimate) {
         (Some(bound), Some(estimate)) if args.strict && !error_report::is_kept(bound, estimate) => {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lightmesh::{ErrorEstimate, LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
+use lightmesh::{ErrorEstimate, Image, LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
 use serde::Serialize;
 
 /// The whole document; keys in this order.
@@ -28,7 +28,10 @@ pub struct Stats {
     estimated_error: Option<f64>,
     /// What that error is made of.
     error_estimate: Option<ErrorStats>,
-    peak_memory_bytes: u64,
+    /// Pixels that were infinite or not a number, and are black.
+    non_finite_pixels: u64,
+    /// The most memory that the process has held; `null` where the system does not tell.
+    peak_memory_bytes: Option<u64>,
 }
 
 impl Stats {
@@ -52,6 +55,7 @@ impl Stats {
             energy_left_out: frame.truncated_light,
             estimated_error: frame.estimated_error,
             error_estimate: frame.error_estimate.map(Into::into),
+            non_finite_pixels: frame.non_finite_pixels,
             peak_memory_bytes: peak_memory_bytes(),
         }
     }
@@ -229,9 +233,20 @@ impl From<MeshStats> for OneMeshStats {
     }
 }
 
-/// The most memory that this process has held, bytes, from Linux' /proc (VmHWM); 0 on other systems.
-fn peak_memory_bytes() -> u64 {
-    std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_mark(&status)).unwrap_or(0)
+/// Says that pixels of a picture are black because they were no numbers; `None` where all are.
+pub fn non_finite_message(frame: &RenderStats, image: &Image) -> Option<String> {
+    let (count, all) = (frame.non_finite_pixels, image.pixels.len());
+    (count > 0).then(|| {
+        format!(
+            "{count} of {all} pixels were infinite or not a number and are black: a size, a distance or a light of the \
+             scene is too large or too small for 32-bit floats"
+        )
+    })
+}
+
+/// The most memory that this process has held, bytes, from Linux' /proc (VmHWM); `None` on other systems.
+fn peak_memory_bytes() -> Option<u64> {
+    std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_mark(&status))
 }
 
 /// VmHWM of a /proc status file, in bytes; the kernel counts it in units of 1024.

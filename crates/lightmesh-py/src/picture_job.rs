@@ -16,6 +16,7 @@ use crate::image::{PyImage, metadata};
 use crate::job::{Job, JobError};
 use crate::light_mesh::{self, PyLightMesh};
 use crate::portions::{from_dict, outlines_of, samples, to_dict};
+use crate::render::warn_of_non_finite;
 use crate::scene::{LitScene, PyScene, scene_camera};
 use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
@@ -251,6 +252,7 @@ impl PyPictureJob {
             let anew = outlines.as_ref().map(|outlines| (outlines, anew.as_slice()));
             Ok(distributed::merge_images(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
         })?;
+        warn_of_non_finite(py, &frame)?;
         let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
         let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
         Ok(PyImage::of_frame(frame, metadata, json::written(serde_json::to_string(&stats))?))

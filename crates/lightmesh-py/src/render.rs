@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use lightmesh::{Camera, LightMesh};
-use lightmesh_cli::Stats;
+use lightmesh::{Camera, Frame, LightMesh};
+use lightmesh_cli::{Stats, non_finite_message};
+use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 
 use crate::error::Raise;
@@ -49,5 +50,13 @@ pub(crate) fn render(
     let rendered = work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?;
 
     let (frame, stats) = rendered.ok_or_else(|| shared_mesh::in_use(py))?.map_err(|error| error.raise(py))?;
+    warn_of_non_finite(py, &frame)?;
     Ok(PyImage::of_frame(frame, metadata, json::written(stats)?))
+}
+
+/// Warns (`RuntimeWarning`) if pixels are black because they were no numbers.
+pub(crate) fn warn_of_non_finite(py: Python<'_>, frame: &Frame) -> PyResult<()> {
+    let Some(message) = non_finite_message(&frame.stats, &frame.image) else { return Ok(()) };
+    let message = std::ffi::CString::new(message)?;
+    PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &message, 1)
 }

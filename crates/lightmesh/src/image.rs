@@ -162,6 +162,9 @@ pub struct RenderStats {
     pub error_estimate: Option<ErrorEstimate>,
     /// The estimated light of bounces after the last one, as a part of all light; `None` without an estimate.
     pub truncated_light: Option<f64>,
+    /// Pixels whose light or layers were infinite or not a number, and are black.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub non_finite_pixels: u64,
 }
 
 impl RenderStats {

@@ -3,9 +3,10 @@
 use std::time::Instant;
 
 use super::light_around::white_around;
-use crate::film::{Film, RenderClock};
+use crate::film::{Film, RenderClock, blacken_non_finite};
 use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path, truncated_light};
 use crate::mesh::Points;
+use crate::scene::validate::check_camera;
 use crate::{Aov, Camera, Error, Image, Layer, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
 /// A finished picture.
@@ -25,8 +26,8 @@ pub struct Frame {
 /// [`Viewer`](crate::Viewer) looks at it, unless its time is limited.
 ///
 /// # Errors
-/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::OutOfMemory`] before
-/// an allocation that would exceed `options.limits.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
+/// [`Error::InvalidOption`] for options out of range or a mesh that was made for others, [`Error::InvalidScene`] for a
+/// camera whose lens or place is out of range, [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`, [`Error::Cancelled`] soon after `progress` says so.
 pub fn render(
     scene: &Scene,
     camera: &Camera,
@@ -36,6 +37,7 @@ pub fn render(
 ) -> Result<Frame, Error> {
     // Check options and memory.
     options.validate()?;
+    check_camera(camera, scene.data().origin, || format!("camera \"{}\"", camera.name))?;
     let viewer = progress.viewer();
     options.check_film_memory(viewer.is_some(), scene.has_unlit())?;
 
@@ -58,11 +60,12 @@ pub fn render(
 
     // Paint mesh points over the picture, where a layer wants them.
     let view = film.view();
-    let (image, mut layers) = film.into_image();
+    let (mut image, mut layers) = film.into_image();
     if options.picture.aovs.contains(Aov::Points) {
         stats.rays.secondary += paint_points(scene, &view, &mut layers, &points(mesh));
     }
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
+    stats.non_finite_pixels = blacken_non_finite(&mut image, &mut layers);
     stats.seconds.render = started.elapsed().as_secs_f64();
     mesh.report(options, &mut stats);
     if let Some(viewer) = viewer {

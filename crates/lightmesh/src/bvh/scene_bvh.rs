@@ -17,7 +17,8 @@ use crate::scene::SceneData;
 /// Meshes that are placed once lie in one tree in world space. A mesh with several instances keeps one tree in object
 /// space; instances, spheres and user-defined shapes stand in a tree above, which scenes without them do not have.
 ///
-/// A ray's `t_min` must be ≥ 0 and its direction finite and not zero.
+/// A ray's `t_min` must be ≥ 0 and its direction not zero. A ray that is not finite meets nothing, and a hit lies at a
+/// finite t.
 #[derive(Clone, Debug)]
 pub struct SceneBvh {
     pub(super) level: Level,
@@ -132,6 +133,7 @@ impl SceneBvh {
 
     #[inline(always)]
     fn closest_with<S: Simd>(&self, simd: S, ray: &Ray, stacks: &mut Stacks) -> Option<Hit> {
+        let ray = &within_numbers(ray);
         let mut closest = Closest::before(ray.t_max, 0);
         self.world.closest(simd, ray, &mut stacks.mesh, &mut closest);
         let TriangleHit { t, u, v, id } = closest.hit;
@@ -149,6 +151,7 @@ impl SceneBvh {
     }
 
     fn any_hit_dyn(&self, ray: &Ray, accept: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        let ray = &within_numbers(ray);
         let mut stacks = Stacks::take();
         let stopped = dispatch!(self.level, simd => {
             let mut world = |TriangleHit { t, u, v, id }| accept(&Hit { t, u, v, target: self.world_target(id) });
@@ -158,4 +161,10 @@ impl SceneBvh {
         stacks.give_back();
         stopped
     }
+}
+
+/// The ray without its end at infinity: where a distance overflows, nothing is met.
+#[inline(always)]
+fn within_numbers(ray: &Ray) -> Ray {
+    Ray { t_max: ray.t_max.min(f32::MAX), ..*ray }
 }

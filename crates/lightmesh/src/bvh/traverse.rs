@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::node::{ChildRef, Node, WIDTH};
 use crate::geometry::{Aabb, Ray};
 
-/// Entries of the traversal stack.
+/// Entries of the traversal stack. A tree of [`MAX_DEPTH`] never needs more; what would not fit is left out.
 pub(super) const STACK: usize = 256;
 
 /// Deepest wide tree whose traversal fits the stack: each node on the way pushes at most seven siblings.
@@ -79,6 +79,8 @@ pub(super) struct BoxRay<S: Simd> {
     /// Per axis, 0 where the ray enters through the lower plane and 1 where through the upper.
     near_side: [usize; 3],
     t_min: f32x8<S>,
+    /// Whether origin and direction are numbers. With others, box tests compare NaN, and may enter empty slots.
+    is_finite: bool,
 }
 
 impl<S: Simd> BoxRay<S> {
@@ -94,6 +96,7 @@ impl<S: Simd> BoxRay<S> {
         let shift = |axis: usize| if side[axis] == 0 { margin[axis] } else { -margin[axis] };
         let splat = |x: f32| f32x8::splat(simd, x);
         Self {
+            is_finite: reach.is_finite() && d.is_finite(),
             near_origin: [splat(o.x + shift(0)), splat(o.y + shift(1)), splat(o.z + shift(2))],
             far_origin: [splat(o.x - shift(0)), splat(o.y - shift(1)), splat(o.z - shift(2))],
             inverse: [splat(inverse[0]), splat(inverse[1]), splat(inverse[2])],
@@ -119,7 +122,7 @@ impl<S: Simd> BoxRay<S> {
 }
 
 /// Visits the leaves that the ray meets before `t_max`. `leaf` gets a leaf's reference, may shorten `t_max`, and stops
-/// the traversal by returning true; `traverse` returns whether it did.
+/// the traversal by returning true; `traverse` returns whether it did. A ray that is not finite meets nothing.
 ///
 /// Children of equal distance are visited in the order of their references, so the order of visits does not depend on
 /// the SIMD level.
@@ -133,6 +136,9 @@ pub(super) fn traverse<S: Simd, O: Order>(
     stack: &mut Stack,
     mut leaf: impl FnMut(ChildRef, &mut f32) -> bool,
 ) -> bool {
+    if !ray.is_finite {
+        return false;
+    }
     let mut depth = 0;
     let mut current = root.0;
     let mut far = f32x8::splat(simd, *t_max);
@@ -160,7 +166,7 @@ pub(super) fn traverse<S: Simd, O: Order>(
                     |lane: usize| u64::from(near[lane].to_bits() & 0x7fff_ffff) << 32 | u64::from(node.children[lane]);
                 let mut nearest = entry(lane);
                 let base = depth;
-                while mask != 0 {
+                while mask != 0 && depth < STACK {
                     // Keep the nearest in hand and insert the other among this node's, the farthest lowest.
                     let other = entry(mask.trailing_zeros() as usize & 7);
                     mask &= mask - 1;
@@ -176,7 +182,7 @@ pub(super) fn traverse<S: Simd, O: Order>(
                 }
                 current = nearest as u32;
             } else {
-                while mask != 0 {
+                while mask != 0 && depth < STACK {
                     stack[depth] = u64::from(node.children[mask.trailing_zeros() as usize & 7]);
                     mask &= mask - 1;
                     depth += 1;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::waves::{WaveMethod, draw_waves, plan_waves};
 use crate::api::{new_film, white_around};
 use crate::direct::LightingPlan;
-use crate::film::{Film, RenderClock};
+use crate::film::{Film, RenderClock, blacken_non_finite};
 use crate::integrator::Lighting;
 use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
@@ -223,8 +223,9 @@ pub fn merge_images(
         merge_pass(&mut film, parts, &mut stats)?;
     }
     film.set_white(white_around(scene, camera)?);
-    let (image, mut layers) = film.into_image();
+    let (mut image, mut layers) = film.into_image();
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
+    stats.non_finite_pixels = blacken_non_finite(&mut image, &mut layers);
     Ok(Frame { image, layers, stats })
 }
 

@@ -60,6 +60,11 @@ pub(crate) fn facing(n: Vec3, reference: Vec3) -> Vec3 {
     if n.dot(reference) < 0.0 { -n } else { n }
 }
 
+/// Returns a vector of unit length, also where the square of its length leaves the range of 32-bit floats.
+fn unit(v: Vec3) -> Option<Vec3> {
+    v.try_normalize().or_else(|| (v / v.abs().max_element()).try_normalize())
+}
+
 /// Evaluates the geometry that `ray` hit; footprints are left out.
 pub(super) fn intersect_geometry<'a>(scene: &'a Scene, ray: &Ray, hit: &Hit) -> SurfaceInteraction<'a> {
     match hit.target {
@@ -136,7 +141,7 @@ fn triangle_interaction<'a>(
 
     // Turn the geometric normal to the viewer.
     let normal = edges[0].cross(edges[1]);
-    let outward = (normal * frame.handedness).try_normalize().unwrap_or_else(|| -ray.direction.normalize());
+    let outward = unit(normal * frame.handedness).unwrap_or_else(|| -ray.direction.normalize());
     let front = outward.dot(ray.direction) < 0.0;
     let ng = if front { outward } else { -outward };
 

@@ -169,7 +169,7 @@ impl Texture {
             Filter::Bilinear => {
                 let (x, y) = (x - 0.5, y - 0.5);
                 let (i, j) = (floor(x), floor(y));
-                let (fx, fy) = (x - i as f32, y - j as f32);
+                let (fx, fy) = (fraction(x, i), fraction(y, j));
                 let (left, right) = (column(i), column(i + 1));
                 let (above, below) = (row(j), row(j + 1));
                 let top = texel(above + left).lerp(texel(above + right), fx);
@@ -260,6 +260,13 @@ fn floor(x: f32) -> i32 {
     }
 }
 
+/// What is left of a coordinate above its floor, in [0, 1]: nothing where `floor` counts it as 0.
+#[inline]
+fn fraction(x: f32, floor: i32) -> f32 {
+    let rest = x - floor as f32;
+    if (0.0..=1.0).contains(&rest) { rest } else { 0.0 }
+}
+
 /// Returns the coordinate in the first period of the wrap mode, or itself if the mode has none.
 pub(crate) fn wrap_to_period(mode: Wrap, u: f32) -> f32 {
     match mode {
@@ -320,6 +327,21 @@ mod tests {
         let texture = Texture { image: 0, wrap_s: Wrap::Repeat, wrap_t: Wrap::Repeat, filter: Filter::Bilinear };
         let c = texture.sample(&image, Vec2::new(0.5, 0.5), ColorEncoding::Srgb);
         assert!((c.x - 0.5).abs() < 1e-6 && (c.w - 128.0 / 255.0).abs() < 1e-6);
+    }
+
+    /// Coordinates without a place in the image, and without a number.
+    #[test]
+    fn absurd_coordinates_give_a_texel() {
+        let image = image(&[[0, 0, 0, 255], [255, 255, 255, 255]], 2);
+        for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
+            for filter in [Filter::Bilinear, Filter::Nearest] {
+                let texture = Texture { image: 0, wrap_s: wrap, wrap_t: wrap, filter };
+                for u in [1e8, -1e8, 1e12, -1e30, f32::MAX, f32::INFINITY, f32::NAN] {
+                    let texel = texture.sample(&image, Vec2::new(u, -u), ColorEncoding::Linear);
+                    assert!((0.0..=1.0).contains(&texel.x) && texel.w == 1.0, "{wrap:?} {filter:?} {u}: {texel}");
+                }
+            }
+        }
     }
 
     #[test]

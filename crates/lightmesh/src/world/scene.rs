@@ -291,8 +291,12 @@ fn mirrored(lights: &[Light], mirrors: &[PlaneMirror]) -> Vec<(Light, PlaneMirro
 }
 
 /// Returns the matrix of cofactors, det(m) · m⁻ᵀ, which transforms cross products, and so normals, even if `m` has no
-/// inverse.
+/// inverse; of an m scaled by a power of two, so that a large or small scale does not leave the range of floats.
 fn cofactor(m: Mat3) -> Mat3 {
+    let largest = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.abs().max_element()).into_iter().fold(0.0, f32::max);
+    // The exponent's bits alone; 2⁻¹²⁶ of the least numbers.
+    let power_of_two = f32::from_bits(largest.to_bits() & 0x7f80_0000).max(f32::MIN_POSITIVE);
+    let m = m * (1.0 / power_of_two);
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 

@@ -2,6 +2,7 @@
 
 mod leaks;
 mod levels;
+mod numbers;
 mod soups;
 mod two_levels;
 
