@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use lightmesh::geometry::Aabb;
-use lightmesh::{Camera, ImageData, Light, Projection, Scene, SceneData, Texels};
+use lightmesh::{Camera, EmitterOptions, ImageData, Light, Limits, Projection, Scene, SceneData, Texels};
 use lightmesh_io::LoadOptions;
 use serde::Serialize;
 
-use crate::{args::InfoArgs, exit::Failure, terminal};
+use crate::{args::InfoArgs, exit::Failure, machine, terminal};
 
 /// The contents of a scene file.
 #[derive(Debug, Serialize)]
@@ -24,6 +24,7 @@ struct Info {
     environment: Option<TextureInfo>,
     cameras: Vec<CameraInfo>,
     r#box: BoxInfo,
+    memory: MemoryInfo,
     warnings: Vec<String>,
 }
 
@@ -64,6 +65,17 @@ struct CameraInfo {
     aspect: f64,
 }
 
+/// What the scene takes, what it may take, and what there is, bytes.
+#[derive(Debug, Serialize)]
+struct MemoryInfo {
+    /// Of the scene, ready for rays.
+    scene_bytes: u64,
+    /// `--max-memory`, or its default.
+    limit_bytes: u64,
+    /// Of the machine, or of its control group; `null` where the system does not tell.
+    machine_bytes: Option<u64>,
+}
+
 /// The box around everything, metres.
 #[derive(Debug, Serialize)]
 struct BoxInfo {
@@ -93,17 +105,18 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     };
     let name = args.scene.display().to_string();
     let loaded = lightmesh_io::load(&args.scene, &options).map_err(Failure::input)?;
-    let scene =
-        Scene::new(loaded.data).map_err(|error| Failure::Input(anyhow::Error::new(error).context(name.clone())))?;
+    let limits = Limits { max_memory: options.max_memory };
+    let scene = Scene::within(loaded.data, &EmitterOptions::default(), &limits)
+        .map_err(|error| Failure::Input(anyhow::Error::new(error).context(name.clone())))?;
     let mut warnings = loaded.warnings;
     warnings.extend_from_slice(scene.warnings());
-    let info = gather(name, &scene, warnings);
+    let info = gather(name, &scene, options.max_memory, warnings);
     let text = if args.json { serde_json::to_string_pretty(&info).map_err(Failure::work)? } else { describe(&info) };
     terminal::print(&text).map_err(Failure::work)
 }
 
 /// Counts everything in a scene.
-fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
+fn gather(name: String, scene: &Scene, limit_bytes: u64, warnings: Vec<String>) -> Info {
     let data = scene.data();
     let bounds = scene.bounds();
     Info {
@@ -119,6 +132,7 @@ fn gather(name: String, scene: &Scene, warnings: Vec<String>) -> Info {
         environment: data.environment.as_ref().and_then(|e| e.map.as_ref()).map(texture),
         cameras: data.cameras.iter().enumerate().map(|(index, c)| camera(index, c)).collect(),
         r#box: BoxInfo::new(&bounds, data.origin),
+        memory: MemoryInfo { scene_bytes: scene.bytes(), limit_bytes, machine_bytes: machine::memory() },
         warnings,
     }
 }
@@ -162,7 +176,9 @@ fn camera(index: usize, camera: &Camera) -> CameraInfo {
 
 /// The text form: one fact per line.
 fn describe(info: &Info) -> String {
-    let Info { triangles, lights, .. } = info;
+    let Info { triangles, lights, memory, .. } = info;
+    let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
+    let machine = memory.machine_bytes.map_or_else(String::new, |bytes| format!(", the machine has {}", mib(bytes)));
     // Describe what every scene has.
     let mut lines = vec![
         info.scene.clone(),
@@ -171,6 +187,7 @@ fn describe(info: &Info) -> String {
         format!("materials  {}, {} emissive", info.materials, info.emissive_materials),
         format!("lights     {} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
         format!("box        {} to {}, {} m", triple(info.r#box.min), triple(info.r#box.max), triple(info.r#box.size)),
+        format!("memory     {}, the limit is {}{machine}", mib(memory.scene_bytes), mib(memory.limit_bytes)),
     ];
     // Describe what only some scenes have.
     if info.spheres > 0 {

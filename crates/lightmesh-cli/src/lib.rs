@@ -12,6 +12,7 @@ mod error_report;
 mod exit;
 mod info;
 mod interrupt;
+mod machine;
 mod man;
 mod outputs;
 mod preview;

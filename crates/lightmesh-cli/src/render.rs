@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
-use lightmesh::{Camera, Environment, LightMesh, Progress, RenderOptions, RenderStats, Scene, SceneData};
+use lightmesh::{Camera, Environment, LightMesh, Limits, Progress, RenderOptions, RenderStats, Scene, SceneData};
 use lightmesh_io::{
     MeshFile, Provenance,
     output::{Metadata, Precision},
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Build it.
     let build_start = Instant::now();
     bar.spin("building");
-    let built = build(loaded.data, asked_for, &emitters, args.camera.as_deref());
+    let built = build(loaded.data, asked_for, &emitters, &options.limits, args.camera.as_deref());
     bar.clear();
     let Built { scene, camera, warnings } =
         built.map_err(|failure| name_the_file(failure, &args.scene.display().to_string()))?;
@@ -199,12 +199,13 @@ fn build(
     mut data: SceneData,
     asked_for: Option<Environment>,
     emitters: &EmitterArgs,
+    limits: &Limits,
     wanted: Option<&str>,
 ) -> Result<Built, Failure> {
     let (camera, warning) = camera_choice::choose(&data, wanted).map_err(Failure::Input)?;
     let mut warnings: Vec<String> = warning.into_iter().collect();
     environment::apply(&mut data, asked_for, emitters);
-    let scene = Scene::with_emitters(data, &emitters.options)?;
+    let scene = Scene::within(data, &emitters.options, limits)?;
     let lit = environment::add_first_light(scene, &camera, emitters)?;
     warnings.extend(lit.warnings);
     Ok(Built { scene: lit.scene, camera, warnings })

@@ -12,11 +12,10 @@ use crate::args::{EmitterArgs, SURROUNDINGS, Surroundings};
 pub fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camera: &str) -> String {
     let mut settings = Map::new();
     let surroundings = Surroundings { emitters: emitters.clone(), threads: None };
-    RENDER.iter().for_each(|entry| put(&mut settings, entry, options));
-    // The picture is the same for every number of threads.
+    // The picture is the same for every number of threads, and for every limit of memory that it keeps to.
+    RENDER.iter().filter(|entry| entry.about.name != "max-memory").for_each(|entry| put(&mut settings, entry, options));
     let of_light = SURROUNDINGS.iter().filter(|entry| entry.about.name != "threads");
     of_light.for_each(|entry| put(&mut settings, entry, &surroundings));
-    settings.insert("max-memory".to_owned(), json!(options.limits.max_memory));
     let units = match units {
         Units::Gltf => "gltf",
         Units::Blender => "blender",
@@ -87,7 +86,7 @@ mod tests {
                 r#"{"aov":"","bounces":3,"camera":"","cutoff":"0.001","depth":8,"environment":null,"#,
                 r#""environment-rotation":"0","environment-strength":"1","error":null,"falloff":"r2","field-falloff":"r2","#,
                 r#""gather-rays":256,"graded":null,"indirect-spacing":"auto","interpolation":"auto","light-error":"0.01","#,
-                r#""light-radius":"0","light-samples":64,"max-memory":4294967296,"method":"mesh","paper-scale":"visibility","#,
+                r#""light-radius":"0","light-samples":64,"method":"mesh","paper-scale":"visibility","#,
                 r#""rays":4,"refine":null,"seed":0,"size":"1280x720","spacing":"auto","spp":4,"time-limit":null,"#,
                 r#""units":"gltf","weight":"constant"}"#
             )

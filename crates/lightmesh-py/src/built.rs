@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lightmesh::{Camera, Environment, FirstLight, Scene, SceneData, Survey};
+use lightmesh::{Camera, Environment, FirstLight, Limits, Scene, SceneData, Survey};
 use lightmesh_cli::EmitterArgs;
 
 use crate::error::{Raise, without_dashes};
@@ -61,7 +61,7 @@ impl Built {
         let own_environment = data.environment.clone();
         let own_lights = data.lights.len();
         lightmesh_cli::apply_environment(&mut data, asked_for, emitters);
-        let scene = Scene::with_emitters(data, &emitters.options).map_err(BuildError::Scene)?;
+        let scene = Scene::within(data, &emitters.options, &Limits { max_memory }).map_err(BuildError::Scene)?;
         warnings.extend_from_slice(scene.warnings());
         let camera = camera.cloned().unwrap_or_else(|| first_camera(&scene));
         let lit = lightmesh_cli::add_first_light(scene, &camera, emitters).map_err(BuildError::Scene)?;

@@ -76,7 +76,9 @@ pub enum Error {
         what: String,
     },
     /// The work would need more memory than allowed; nothing was allocated.
-    #[error("{what} would need {} of memory, more than the limit of {}; {advice}, or raise --max-memory", human_bytes(*.needed_bytes), human_bytes(*.limit_bytes))]
+    #[error(
+        "{what} would need {} of memory, {} more than the limit of {}; {advice}, or raise --max-memory",
+        human_bytes(*.needed_bytes), human_bytes(.needed_bytes.saturating_sub(*.limit_bytes)), human_bytes(*.limit_bytes))]
     OutOfMemory {
         /// What the memory is for.
         what: &'static str,

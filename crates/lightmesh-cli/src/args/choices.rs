@@ -5,6 +5,7 @@ use lightmesh::schema::{About, Entry, Group, Kind, RENDER, Range, Value};
 use lightmesh::{EmitterOptions, Error, RenderOptions};
 
 use super::environment::{self, EnvironmentArg};
+use crate::machine;
 
 /// Light with a size: the environment, lamps with a radius, and how many samples stand for each.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,7 +122,9 @@ pub struct Choice {
 
 /// Returns every option that both faces have, in the order of `--help`.
 pub fn choices() -> Vec<Choice> {
-    let render = RENDER.iter().map(|entry| Choice { about: entry.about, default: entry.default() });
+    // What depends on the machine is told in words.
+    let known = |entry: &Entry<RenderOptions>| entry.default().filter(|_| entry.about.default_note.is_none());
+    let render = RENDER.iter().map(|entry| Choice { about: entry.about, default: known(entry) });
     let others = SURROUNDINGS.iter().map(|entry| Choice { about: entry.about, default: entry.default() });
     let mut all: Vec<Choice> = render.chain(others).collect();
     // Threads before memory; the order within the tables stays otherwise.
@@ -175,7 +178,10 @@ impl Chosen {
     /// # Errors
     /// [`Error::InvalidOption`] for options that do not go together.
     pub fn render_options(&self) -> Result<RenderOptions, Error> {
-        let options = RenderOptions::chosen(|name| self.get(name))?;
+        let mut options = RenderOptions::chosen(|name| self.get(name))?;
+        if self.get("max-memory").is_none() {
+            options.limits.max_memory = machine::default_limit();
+        }
         options.validate()?;
         Ok(options)
     }
@@ -266,11 +272,15 @@ impl FromArgMatches for Chosen {
 
 #[cfg(test)]
 mod tests {
+    use lightmesh::Limits;
+
     use super::*;
 
     #[test]
     fn nothing_chosen_is_the_default() {
-        assert_eq!(Chosen::default().render_options().expect("options"), RenderOptions::default());
+        let limits = Limits { max_memory: machine::default_limit() };
+        let options = RenderOptions { limits, ..RenderOptions::default() };
+        assert_eq!(Chosen::default().render_options().expect("options"), options);
         assert_eq!(Chosen::default().surroundings(), Surroundings::default());
     }
 

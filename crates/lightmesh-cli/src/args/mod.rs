@@ -11,8 +11,9 @@ mod reproduce;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use lightmesh::Limits;
-use lightmesh::schema::{self, Value, parse_bytes, spell_bytes};
+use lightmesh::schema::{self, Value, parse_bytes};
+
+use crate::machine;
 
 pub use self::{
     choices::{Choice, Chosen, EmitterArgs, SURROUNDINGS, Surroundings, choice, choices},
@@ -63,21 +64,16 @@ pub(crate) struct InfoArgs {
     /// Let the scene's URIs leave its folder
     #[arg(long)]
     pub(crate) allow_outside: bool,
-    /// Most memory that reading may take, in B, KB, MB, GB, KiB, MiB or GiB
-    #[arg(
-        long,
-        value_name = "SIZE",
-        default_value_t = spell_bytes(Limits::default().max_memory),
-        value_parser = bytes,
-        allow_hyphen_values = true
-    )]
-    max_memory: String,
+    /// Most memory that reading and building may take, in B, KB, MB, GB, KiB, MiB or GiB [default: half of the
+    /// machine's, or of its control group's]
+    #[arg(long, value_name = "SIZE", value_parser = bytes, allow_hyphen_values = true)]
+    max_memory: Option<String>,
 }
 
 impl InfoArgs {
     /// Returns the most memory that reading may take, bytes.
     pub(crate) fn max_memory(&self) -> u64 {
-        parse_bytes(&self.max_memory).unwrap_or_default()
+        self.max_memory.as_deref().and_then(parse_bytes).unwrap_or_else(machine::default_limit)
     }
 }
 

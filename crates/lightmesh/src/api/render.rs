@@ -39,7 +39,7 @@ pub fn render(
     options.validate()?;
     check_camera(camera, scene.data().origin, || format!("camera \"{}\"", camera.name))?;
     let viewer = progress.viewer();
-    options.check_film_memory(viewer.is_some(), scene.has_unlit())?;
+    options.check_film_memory(viewer.is_some(), scene.has_unlit(), scene.bytes())?;
 
     // Draw by the method.
     let started = Instant::now();

@@ -50,6 +50,10 @@ const MAX_OPTIMIZED_DEPTH: usize = 1000;
 /// nodes and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
 const FULL_SEARCH: usize = 0;
 
+/// Boxes that a ray through all of the scene meets on average, by the ratio of surfaces, up to which subtrees are moved
+/// about. Rooms have 10 to 60. A judgement.
+const MOST_OVERLAP: f64 = 1024.0;
+
 /// Builds the tree over `items`, node 0 the root; empty for no items.
 pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
     if items.is_empty() {
@@ -81,11 +85,27 @@ pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
         FULL_SEARCH,
     );
     // Improve; obvhs sizes its stacks by the depth, which moves can increase.
-    if bvh.max_depth <= MAX_OPTIMIZED_DEPTH {
+    if bvh.max_depth <= MAX_OPTIMIZED_DEPTH && !overlap_everywhere(&distinct) {
         bvh.max_depth *= 4;
         reinsert(&mut bvh);
     }
+    drop(distinct);
     breadth_first(&bvh, &order, &groups)
+}
+
+/// Whether boxes overlap so much that moving subtrees would compare each with hundreds of others: 60,000 triangles that
+/// each fill a third of the scene took 12 s.
+fn overlap_everywhere(items: &[Item]) -> bool {
+    let half_area = |b: &Aabb| {
+        let d = b.size().as_dvec3();
+        d.x * d.y + d.y * d.z + d.z * d.x
+    };
+    let (mut sum, mut all) = (0.0, Aabb::EMPTY);
+    for item in items {
+        sum += half_area(&item.bounds);
+        all = all.union(item.bounds);
+    }
+    sum > MOST_OVERLAP * half_area(&all)
 }
 
 /// A box as integers, to sort and compare by.

@@ -79,6 +79,7 @@ pub(super) fn collapse(
             grandchildren.into_iter().enumerate().rev().map(|(lane, piece)| (piece, Some((node, lane)), depth + 1)),
         );
     }
+    builder.tree.nodes.shrink_to_fit();
     builder.tree
 }
 

@@ -54,7 +54,9 @@ impl SceneBvh {
                 objects.push(Object::instance(bounds, instance, placed.mesh, object_from_world));
             }
         }
+        owners.shrink_to_fit();
         let world = TriangleBvh::build(&triangles);
+        drop(triangles);
 
         // One tree per mesh that is placed several times.
         let build_mesh = |(mesh, &flat): (&TriangleMesh, &bool)| {

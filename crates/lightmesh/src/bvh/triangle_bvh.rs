@@ -63,7 +63,8 @@ impl TriangleBvh {
         // Build a binary tree and collapse it; a balanced one where that is too deep for the stacks.
         let make = |binary: &[BinaryNode]| {
             let rule = LeafRule { primitives_per_item: LANES, max_items: MAX_BLOCKS, item_cost: BLOCK_COST };
-            let mut blocks = Vec::new();
+            // Leaves are two thirds full or more, mostly.
+            let mut blocks = Vec::with_capacity(items.len() * 2 / 5);
             let tree = collapse(binary, rule, &mut |under| {
                 // Each triangle once, in a fixed order.
                 let mut ids: Vec<u32> = under.iter().map(|&i| items[i as usize].primitive).collect();
@@ -83,6 +84,7 @@ impl TriangleBvh {
         if tree.depth > MAX_DEPTH {
             (tree, blocks) = make(&binary_tree::median_tree(&items));
         }
+        blocks.shrink_to_fit();
         Self { tree, blocks, bounds }
     }
 

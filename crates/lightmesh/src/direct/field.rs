@@ -7,6 +7,7 @@ use super::region_cuts::RegionCuts;
 use super::sky_views::SkyViews;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{Costs, Interpolator, Levels, Points};
+use crate::world::FieldMemory;
 use crate::{Error, MeshStats, RenderOptions, Scene};
 
 /// Direct light at points of its mesh.
@@ -17,7 +18,7 @@ pub(crate) struct DirectField {
     pub(crate) encoding: DirectEncoding,
     pub(super) lights: RegionCuts,
     pub(super) sky: SkyViews,
-    max_memory: u64,
+    pub(crate) memory: FieldMemory,
 }
 
 impl DirectField {
@@ -30,12 +31,13 @@ impl DirectField {
         levels: Levels,
         interpolator: Interpolator,
         options: &RenderOptions,
+        memory: FieldMemory,
     ) -> Result<Self, Error> {
-        let lights = RegionCuts::new(scene, levels.focus, options)?;
+        let lights = RegionCuts::new(scene, levels.focus, options, memory.left())?;
         let encoding = DirectEncoding::new(scene, lights.has_clusters().then(|| lights.leaf_count()), options);
         let points = Points::new(levels, interpolator);
-        let sky = SkyViews::new(scene, options.limits.max_memory);
-        Ok(Self { points, encoding, lights, sky, max_memory: options.limits.max_memory })
+        let sky = SkyViews::new(scene, memory.left());
+        Ok(Self { points, encoding, lights, sky, memory })
     }
 
     /// Returns a number that positions share which are shaded with the same points or lights.
@@ -59,11 +61,6 @@ impl DirectField {
         Costs::kept(self.encoding.bytes_per_point())
     }
 
-    /// Returns the most memory that the field may take, bytes.
-    pub(crate) fn max_memory(&self) -> u64 {
-        self.max_memory
-    }
-
     /// Returns the memory of a point, bytes; an estimate where points differ.
     pub(crate) fn bytes_per_point(&self) -> u64 {
         let runs = self.encoding.runs().map_or(0, |_| LightRuns::BYTES_PER_POINT);
@@ -78,15 +75,7 @@ impl DirectField {
         let Some(own) = self.encoding.runs() else { return Ok(()) };
         // A growing vector may hold twice its contents for a moment.
         let needed_bytes = self.points.stats(2 * own.bytes_with(points, runs) + self.lights.bytes()).bytes;
-        if needed_bytes > self.max_memory {
-            return Err(Error::OutOfMemory {
-                what: "the light mesh",
-                needed_bytes,
-                limit_bytes: self.max_memory,
-                advice: "choose a larger --spacing or --light-error",
-            });
-        }
-        Ok(())
+        self.memory.reserve(needed_bytes, "choose a larger --spacing or --light-error")
     }
 
     /// Returns its points, to be refined.

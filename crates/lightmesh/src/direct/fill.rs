@@ -26,7 +26,7 @@ impl DirectField {
     /// # Errors
     /// [`Error::OutOfMemory`] before anything is allocated.
     pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
-        let requested = self.points.take_marked(marks, self.costs(), self.max_memory())?;
+        let requested = self.points.take_marked(marks, self.costs(), &self.memory)?;
         let mut rays = RayCounts::default();
         if self.encoding.needs_probes() {
             rays.secondary = PROBE_RAYS * requested.len() as u64;
@@ -37,6 +37,7 @@ impl DirectField {
         for requested in requested.chunks(together) {
             rays.shadow += self.evaluate(scene, requested)?;
         }
+        self.memory.hold(self.stats().bytes);
         Ok(rays)
     }
 

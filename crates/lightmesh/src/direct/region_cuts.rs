@@ -54,8 +54,13 @@ const REGION_BIAS: f32 = (1 << 18) as f32;
 impl RegionCuts {
     /// # Errors
     /// [`Error::OutOfMemory`] if the tree, and for each thread a cut of all lights, would not fit into
-    /// `options.limits.max_memory`.
-    pub(crate) fn new(scene: &Scene, focus: Option<Focus>, options: &RenderOptions) -> Result<Self, Error> {
+    /// `max_memory` bytes, what is left of the limit.
+    pub(crate) fn new(
+        scene: &Scene,
+        focus: Option<Focus>,
+        options: &RenderOptions,
+        max_memory: u64,
+    ) -> Result<Self, Error> {
         // Build a tree if there are many lights and it fits into memory.
         let samples = scene.lights();
         let many = FEW + 1..MOST_LEAVES;
@@ -68,10 +73,11 @@ impl RegionCuts {
                     let bytes_per_light = if options.method.knows_lights() { 256 } else { 128 };
                     let threads = rayon::current_num_threads() as u64;
                     let needed_bytes = LightTree::bytes(samples) + threads * bytes_per_light * samples.len() as u64;
-                    if needed_bytes > options.limits.max_memory {
+                    if needed_bytes > max_memory {
+                        let held = options.limits.max_memory.saturating_sub(max_memory);
                         return Err(Error::OutOfMemory {
-                            what: "the hierarchy of lights",
-                            needed_bytes,
+                            what: "the scene, the picture and the hierarchy of lights",
+                            needed_bytes: held + needed_bytes,
                             limit_bytes: options.limits.max_memory,
                             advice: "choose fewer --light-samples or --light-error 0",
                         });
@@ -92,7 +98,7 @@ impl RegionCuts {
             cuts: HashMap::new(),
             falloff: options.transport.falloff,
             kept_bytes: 0,
-            most_bytes: options.limits.max_memory / KEPT_PART,
+            most_bytes: max_memory / KEPT_PART,
         })
     }
 

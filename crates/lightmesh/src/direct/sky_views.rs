@@ -51,7 +51,7 @@ const BESIDE: f32 = 1.2;
 const RIM: f32 = 0.02;
 
 impl SkyViews {
-    /// No block yet; `max_memory` is that of the render, bytes.
+    /// No block yet; `max_memory` is what is left of the limit, bytes.
     pub(super) fn new(scene: &Scene, max_memory: u64) -> Self {
         let lights = scene.lights();
         let is_sky = |&lane: &u32| lights.has_strata() && matches!(lights.stratum(lane as usize), Stratum::Sky(_));

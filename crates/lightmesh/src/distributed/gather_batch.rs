@@ -238,7 +238,7 @@ impl IndirectField {
             seed: self.seed,
             bounce_values: vec![Vec::new(); self.bounce_values.len()],
             gather_hit_irradiance: (0.0, 0),
-            max_memory: self.max_memory,
+            memory: self.memory.detached(),
             spots: self.spots.clone(),
         }
     }

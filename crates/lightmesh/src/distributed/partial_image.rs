@@ -275,7 +275,7 @@ fn turn_to(film: &mut Film, edges: &EmitterEdges) -> Result<(), Error> {
 /// Refuses options that need the whole picture at once.
 fn check(scene: &Scene, options: &RenderOptions) -> Result<(), Error> {
     options.validate()?;
-    options.check_film_memory(false, scene.has_unlit())?;
+    options.check_film_memory(false, scene.has_unlit(), scene.bytes())?;
     if options.picture.time_limit.is_some() {
         let what = "portions have no common clock; choose --spp or --error";
         return Err(Error::InvalidOption { option: "time-limit", what: what.into() });

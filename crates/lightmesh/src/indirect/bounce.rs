@@ -32,7 +32,10 @@ impl IndirectField {
         let (started, direct_before) = (Instant::now(), direct.stats.seconds.fill_direct);
         let (first, hit_irradiance) = (self.points.len(), self.gather_hit_irradiance);
         match self.gather_marked(direct, marks, marked, first) {
-            Ok(pending) => self.add_bounces(direct.scene, pending),
+            Ok(pending) => {
+                self.add_bounces(direct.scene, pending);
+                self.memory.hold(self.stats().bytes);
+            }
             Err(error) => {
                 // Points without values must not stay.
                 self.points.truncate(first);

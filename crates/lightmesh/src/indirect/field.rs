@@ -15,6 +15,7 @@ use super::bright_spots::BrightSpots;
 use crate::geometry::Aabb;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Levels, Marks, Points, ReadResult};
+use crate::world::FieldMemory;
 use crate::{MeshStats, RenderOptions, Scene};
 
 /// Indirect light at points of its mesh.
@@ -30,7 +31,7 @@ pub(crate) struct IndirectField {
     pub(crate) bounce_values: Vec<Vec<Vec4>>,
     /// Sum and number of the direct irradiances at gather hits (mean over channels).
     pub(crate) gather_hit_irradiance: (f64, u64),
-    pub(crate) max_memory: u64,
+    pub(crate) memory: FieldMemory,
     /// Where gather rays look for light beside the even ones.
     pub(crate) spots: BrightSpots,
 }
@@ -70,7 +71,13 @@ pub(crate) enum IndirectReading {
 }
 
 impl IndirectField {
-    pub(crate) fn new(scene: &Scene, levels: Levels, interpolator: Interpolator, options: &RenderOptions) -> Self {
+    pub(crate) fn new(
+        scene: &Scene,
+        levels: Levels,
+        interpolator: Interpolator,
+        options: &RenderOptions,
+        memory: FieldMemory,
+    ) -> Self {
         // The paper's rays are even.
         let faces = CubeFaces::of(options);
         let bounds = levels.focus.map_or(scene.bounds(), |focus| Aabb { min: focus.min.into(), max: focus.max.into() });
@@ -84,7 +91,7 @@ impl IndirectField {
             seed: options.seed,
             bounce_values: vec![Vec::new(); options.transport.bounces as usize + 1],
             gather_hit_irradiance: (0.0, 0),
-            max_memory: options.limits.max_memory,
+            memory,
         }
     }
 

@@ -27,7 +27,7 @@ impl IndirectField {
         marked: Marked,
         first: usize,
     ) -> Result<u64, Error> {
-        let addresses = self.points.take_marked(marks, self.costs(), self.max_memory)?;
+        let addresses = self.points.take_marked(marks, self.costs(), &self.memory)?;
         let points = &self.points;
         let (empty, known): (Vec<Address>, Vec<Address>) =
             addresses.iter().partition(|&&address| points.slot(address) == Slot::Empty);
@@ -49,7 +49,7 @@ impl IndirectField {
         // Choose those that are to have values.
         let needed = if marked == Marked::Needed || self.faces == CubeFaces::One { addresses } else { known };
         let costs = Costs { temporary: self.transfer_bytes(), pending: self.points.len() - first, ..self.costs() };
-        self.points.check_memory(needed.len(), 0, costs, self.max_memory)?;
+        self.points.reserve_memory(needed.len(), 0, costs, &self.memory)?;
         needed.into_iter().for_each(|address| self.points.promote(address));
         Ok(rays)
     }

@@ -18,6 +18,7 @@ use crate::direct::DirectField;
 use crate::direct::encoding::refuse;
 use crate::indirect::IndirectField;
 use crate::mesh::{FinerLevels, Focus, Interpolator, Levels, Marks, PointRequests, Points, requests};
+use crate::world::FieldMemory;
 use crate::{Camera, Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
 /// Meshes of direct and indirect light, filled as surfaces need their points. They belong to one scene and one
@@ -101,12 +102,14 @@ impl LightMesh {
             spacing => spacing,
         };
         let direct = levels("spacing", options.mesh.spacing, spacing)?;
+        let [of_direct, of_indirect] = FieldMemory::pair(scene, options, focus.is_some());
         Ok(Self {
             key: MeshKey::of(options),
             bounces: options.transport.bounces,
             generation: 0,
-            direct: DirectField::new(scene, direct, interpolator, options)?,
-            indirect: indirect.map(|levels| IndirectField::new(scene, levels, interpolator.without_rules(), options)),
+            direct: DirectField::new(scene, direct, interpolator, options, of_direct)?,
+            indirect: indirect
+                .map(|levels| IndirectField::new(scene, levels, interpolator.without_rules(), options, of_indirect)),
         })
     }
 

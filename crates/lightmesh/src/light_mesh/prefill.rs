@@ -79,12 +79,11 @@ impl LightMesh {
 
         // List the points, and refuse more than fit into memory.
         mark(self.direct.points(), &marks.direct);
-        let direct =
-            self.direct.points().take_marked(&mut marks.direct, self.direct.costs(), self.direct.max_memory())?;
+        let direct = self.direct.points().take_marked(&mut marks.direct, self.direct.costs(), &self.direct.memory)?;
         let indirect = match (&self.indirect, &mut marks.indirect) {
             (Some(field), Some(marks)) => {
                 mark(field.points(), marks);
-                field.points().take_marked(marks, field.costs(), field.max_memory)?
+                field.points().take_marked(marks, field.costs(), &field.memory)?
             }
             _ => Vec::new(),
         };

@@ -12,6 +12,7 @@ use super::marks::{MarkedPoints, Marks};
 use super::refinement::{NearFocus, RefinementLevel};
 use super::stencil::{Interpolator, trilinear};
 use crate::interaction::ShadingPoint;
+use crate::world::FieldMemory;
 use crate::{Error, MeshStats};
 
 /// Where a mesh point is.
@@ -252,17 +253,28 @@ impl Points {
     /// Returns the marked points in brick order; clears the marks.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if they would not fit into `limit` bytes; nothing has been allocated.
-    pub(crate) fn take_marked(&self, marks: &mut Marks, costs: Costs, limit: u64) -> Result<Vec<Address>, Error> {
+    /// [`Error::OutOfMemory`] if they would not fit; nothing has been allocated.
+    pub(crate) fn take_marked(
+        &self,
+        marks: &mut Marks,
+        costs: Costs,
+        memory: &FieldMemory,
+    ) -> Result<Vec<Address>, Error> {
         // List the marked points of all levels.
         let MarkedPoints { points, new_bricks } = marks.take(|level| &self.level(level).bricks);
-        self.check_memory(points.len(), new_bricks, costs, limit)?;
+        self.reserve_memory(points.len(), new_bricks, costs, memory)?;
         let address = |(level, brick, local)| Address { level, coordinate: lattice::coordinate(brick, local) };
         Ok(points.into_iter().map(address).collect())
     }
 
-    /// Refuses a number of new points, some of them in new bricks, if they would not fit into `limit` bytes.
-    pub(crate) fn check_memory(&self, new: usize, new_bricks: u64, costs: Costs, limit: u64) -> Result<(), Error> {
+    /// Reserves the memory of a number of new points, some of them in new bricks, or refuses them if they would not fit.
+    pub(crate) fn reserve_memory(
+        &self,
+        new: usize,
+        new_bricks: u64,
+        costs: Costs,
+        memory: &FieldMemory,
+    ) -> Result<(), Error> {
         // Sum what is kept and what buffers need.
         let points = (self.len() + self.probed.len() + new) as u64;
         // A growing vector may hold twice its contents for a moment.
@@ -271,15 +283,9 @@ impl Points {
         let needed = (self.brick_bytes() + new_bricks * Bricks::BYTES_PER_BRICK)
             .saturating_add(points.saturating_mul(bytes))
             .saturating_add(temporary);
-        if needed > limit || points >= u64::from(Slot::MAX_INDEX) {
-            return Err(Error::OutOfMemory {
-                what: "the light mesh",
-                needed_bytes: needed,
-                limit_bytes: limit,
-                advice: "choose a larger --spacing or --indirect-spacing",
-            });
-        }
-        Ok(())
+        // Indices have 32 bits.
+        let needed = if points >= u64::from(Slot::MAX_INDEX) { u64::MAX } else { needed };
+        memory.reserve(needed, "choose a larger --spacing or --indirect-spacing")
     }
 
     /// Memory of a point without its values and its slot, bytes.

@@ -63,7 +63,7 @@ impl RenderOptions {
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_picture_memory(&self) -> Result<(), Error> {
-        self.check_memory(Self::BYTES_PER_PIXEL)
+        self.check_memory(Self::BYTES_PER_PIXEL, 0)
     }
 
     /// The same for a picture that a [`Viewer`](crate::Viewer) looks at: 19 bytes a pixel more, for the sketch, the
@@ -72,27 +72,38 @@ impl RenderOptions {
     /// # Errors
     /// [`Error::OutOfMemory`]; nothing has been allocated.
     pub fn check_viewed_picture_memory(&self) -> Result<(), Error> {
-        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 3)
+        self.check_memory(Self::BYTES_PER_PIXEL + 4 + 12 + 3, 0)
     }
 
     /// [`RenderOptions::check_picture_memory`], or [`RenderOptions::check_viewed_picture_memory`], with what unlit
-    /// surfaces take, if the scene has any.
-    pub(crate) fn check_film_memory(&self, is_viewed: bool, has_unlit: bool) -> Result<(), Error> {
+    /// surfaces take, if the scene has any; beside the `scene_bytes` of the scene.
+    pub(crate) fn check_film_memory(&self, is_viewed: bool, has_unlit: bool, scene_bytes: u64) -> Result<(), Error> {
         let (viewed, copies) = if is_viewed { (4 + 12 + 3, 2) } else { (0, 1) };
         let unlit = if has_unlit { copies * Self::UNLIT_BYTES_PER_PIXEL } else { 0 };
-        self.check_memory(Self::BYTES_PER_PIXEL + viewed + unlit)
+        self.check_memory(Self::BYTES_PER_PIXEL + viewed + unlit, scene_bytes)
     }
 
-    fn check_memory(&self, bytes_per_pixel: u64) -> Result<(), Error> {
+    /// Memory of the picture, bytes.
+    pub(crate) fn picture_bytes(&self, has_unlit: bool) -> u64 {
+        let unlit = if has_unlit { Self::UNLIT_BYTES_PER_PIXEL } else { 0 };
+        self.bytes_of_pixels(Self::BYTES_PER_PIXEL + unlit)
+    }
+
+    fn bytes_of_pixels(&self, bytes_per_pixel: u64) -> u64 {
+        let PictureOptions { width, height, aovs, .. } = self.picture;
+        (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel + aovs.bytes_per_pixel())
+    }
+
+    fn check_memory(&self, bytes_per_pixel: u64, scene_bytes: u64) -> Result<(), Error> {
         let PictureOptions { width, height, aovs, .. } = self.picture;
         let pixels = u64::from(width) * u64::from(height);
-        let needed_bytes = pixels.saturating_mul(bytes_per_pixel + aovs.bytes_per_pixel());
+        let needed_bytes = self.bytes_of_pixels(bytes_per_pixel).saturating_add(scene_bytes);
         // Pixels are counted in 32 bits.
         if needed_bytes <= self.limits.max_memory && pixels <= u64::from(u32::MAX) {
             return Ok(());
         }
         Err(Error::OutOfMemory {
-            what: "a picture of this size",
+            what: if scene_bytes > 0 { "the scene and a picture of this size" } else { "a picture of this size" },
             needed_bytes,
             limit_bytes: self.limits.max_memory,
             advice: if aovs.is_empty() { "choose a smaller --size" } else { "choose a smaller --size or fewer --aov" },

@@ -476,8 +476,9 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
             kind: BYTES,
             value_name: "SIZE",
             group: Group::Machine,
-            help: "Most memory that the render may take, in B, KB, MB, GB, KiB, MiB or GiB; more is an error before \
-                   allocation",
+            help: "Most memory that the scene, its picture and its mesh may take together, in B, KB, MB, GB, KiB, MiB or \
+                   GiB; more is an error before allocation",
+            default_note: Some("half of the machine's, or of its control group's"),
             ..About::PLAIN
         },
         get: |o| Some(Value::Text(limits::spell_bytes(o.limits.max_memory))),

@@ -9,6 +9,7 @@ use crate::Error;
 use crate::bvh::{Hit, SceneBvh, flattened_meshes};
 use crate::geometry::{Aabb, Ray};
 use crate::light::{Emitters, LightSamples, PlaneMirror, SampledLight, plane_mirrors};
+use crate::options::Limits;
 use crate::scene::{AlphaMode, EmitterOptions, Light, Material, Mipmap, SceneData, build_mipmaps, validate};
 
 /// Pairs of a lamp and a plane mirror, at most.
@@ -65,9 +66,18 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::new`], and [`Error::InvalidOption`] for options out of range.
-    pub fn with_emitters(mut data: SceneData, emitters: &EmitterOptions) -> Result<Self, Error> {
+    pub fn with_emitters(data: SceneData, emitters: &EmitterOptions) -> Result<Self, Error> {
+        Self::within(data, emitters, &Limits::default())
+    }
+
+    /// Builds a scene within a limit of memory, which counts the description and what is built from it.
+    ///
+    /// # Errors
+    /// As [`Scene::with_emitters`], and [`Error::OutOfMemory`] before anything is built if that would not fit.
+    pub fn within(mut data: SceneData, emitters: &EmitterOptions, limits: &Limits) -> Result<Self, Error> {
         let mut warnings = validate::check(&mut data)?;
         warnings.extend(glossy_warning(&data.materials));
+        data.check_memory(emitters, limits)?;
         // Build the acceleration structure.
         let bvh = SceneBvh::build(&data);
         if bvh.bounds().is_empty() {

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::{MEMORY_SHARE, cells_that_fit};
+use super::{cells_that_fit, refinement_memory};
 use crate::RenderStats;
 use crate::film::Film;
 use crate::integrator::lighting::Lighting;
@@ -37,9 +37,8 @@ pub(super) fn refine_by_distance(frame: &mut WaveFrame<'_>, film: &Film, stats: 
         .collect();
     stats.rays.primary += pixels.len() as u64;
 
-    // Refine both meshes. A part of the whole limit, not of what is left of it: a frame must not depend on what came
-    // before.
-    let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
+    // Refine both meshes.
+    let budget = refinement_memory(scene, options);
     let most = cells_that_fit(budget, mesh.direct.bytes_per_point());
     mesh.direct.points_mut().refine_by_distance(view.rays.eye(), metres, &visible, most);
     if let Some(field) = &mut mesh.indirect {

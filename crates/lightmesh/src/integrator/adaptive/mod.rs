@@ -13,10 +13,13 @@ use super::lighting::Lighting;
 use super::wave::WaveFrame;
 use crate::direct::LightingPlan;
 use crate::film::{Film, RenderClock};
-use crate::{Error, RenderStats};
+use crate::{Error, RenderOptions, RenderStats, Scene};
 
-/// The part of the memory limit at which refinement ends.
+/// The part of the memory limit beside the scene at which refinement ends.
 const MEMORY_SHARE: f64 = 0.5;
+
+/// The most memory at which refinement ends: by default a picture must not depend on how much a machine has.
+const MOST_MEMORY: f64 = (2_u64 << 30) as f64;
 
 /// Points that a cell has to fill when it is refined, at most: 3³ of its own and those of the cells around it that
 /// blend.
@@ -50,6 +53,13 @@ pub(crate) fn adapt(
     pilot.stats.estimated_error = Some(estimate.all);
     pilot.stats.error_estimate = Some(estimate);
     Ok(plan)
+}
+
+/// The memory of meshes at which refinement ends, bytes. A part of the whole limit, not of what is left of it: a frame
+/// must not depend on what came before.
+fn refinement_memory(scene: &Scene, options: &RenderOptions) -> u64 {
+    let left = options.limits.max_memory.saturating_sub(scene.bytes());
+    (MEMORY_SHARE * left as f64).min(MOST_MEMORY) as u64
 }
 
 /// The cells that may be refined in a mesh with points of this size: as many as fit into a part of the memory limit.

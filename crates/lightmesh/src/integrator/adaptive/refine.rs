@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 
 use super::pilot::Pilot;
-use super::{MEMORY_SHARE, cells_that_fit};
+use super::{cells_that_fit, refinement_memory};
 use crate::Error;
 use crate::direct::{Indirect, LightingPlan, Shading};
 use crate::integrator::lighting::Lighting;
@@ -68,7 +68,7 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
         };
 
         // Refine the worst cells of each mesh, as far as memory allows.
-        let budget = (MEMORY_SHARE * options.limits.max_memory as f64) as u64;
+        let budget = refinement_memory(pilot.frame.scene, options);
         let mut refined = 0;
         if refines_direct {
             let left = budget.saturating_sub(mesh.direct.stats().bytes);

@@ -45,7 +45,7 @@ impl DirectField {
 
         // Refuse more than fits into memory.
         let (new, bricks) = self.points.count_new(points);
-        self.points.check_memory(new, bricks, self.costs(), self.max_memory())?;
+        self.points.reserve_memory(new, bricks, self.costs(), &self.memory)?;
         match values {
             DirectValues::Runs { ends, runs } => self.check_memory_of_runs(ends.len(), runs.len()),
             _ => Ok(()),
@@ -82,7 +82,7 @@ impl IndirectField {
 
         // Refuse more than fits into memory.
         let (new, bricks) = self.points.count_new(&snapshot.points);
-        self.points.check_memory(new, bricks, self.costs(), self.max_memory)
+        self.points.reserve_memory(new, bricks, self.costs(), &self.memory)
     }
 
     /// Adds the new points of a snapshot that has been checked.
