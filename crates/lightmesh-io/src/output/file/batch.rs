@@ -8,7 +8,7 @@ use std::{
 use super::{
     destination::folder_of,
     fault::{self, Step},
-    partial::beside,
+    partial::{OLD, beside},
     staged::{Place, StagedFile},
 };
 use crate::error::{Error, one_line};
@@ -135,7 +135,7 @@ fn keep(target: &Path) -> Old {
         return Old::Missing;
     }
     let Some(name) = target.file_name() else { return Old::Lost };
-    let second = folder_of(target).join(beside(Path::new(name), "lightmesh.old"));
+    let second = folder_of(target).join(beside(Path::new(name), OLD));
     // One that a killed process left: it is no longer the newest.
     let _ = fs::remove_file(&second);
     let linked = fault::before(Step::Keep).and_then(|()| fs::hard_link(target, &second));

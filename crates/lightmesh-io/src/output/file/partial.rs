@@ -14,6 +14,9 @@ const ATTEMPTS: usize = 50;
 /// Names of more bytes are shortened: with what is added to them they would be too long for most file systems.
 const LONGEST_NAME: usize = 200;
 
+/// The ending of the name that an old file has while it is replaced.
+pub(super) const OLD: &str = "lightmesh.old";
+
 /// A temporary that is ours alone.
 #[derive(Debug)]
 pub(super) struct Partial {
@@ -45,7 +48,11 @@ impl Partial {
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Ok(file) => match file.try_lock() {
                     // Until it was locked, another writer could take it for a leftover.
-                    Ok(()) if is_still(&path, &file) => return Ok((Self { path }, file)),
+                    Ok(()) if is_still(&path, &file) => {
+                        // The second name of a file that a killed writer was replacing.
+                        let _ = fs::remove_file(folder.join(beside(name, OLD)));
+                        return Ok((Self { path }, file));
+                    }
                     Ok(()) | Err(TryLockError::WouldBlock) => {}
                     // The file system has no locks: do without.
                     Err(TryLockError::Error(_)) => {

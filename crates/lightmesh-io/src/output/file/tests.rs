@@ -90,7 +90,7 @@ fn a_second_writer_is_told_until_the_first_has_ended() {
 #[test]
 fn leftovers_of_the_dead_are_removed_and_nothing_else() {
     let place = Place::new();
-    let dead = [".a.txt.lightmesh.partial", ".a.txt.99999-0.partial", ".a.txt.1-12.partial"];
+    let dead = [".a.txt.lightmesh.partial", ".a.txt.lightmesh.old", ".a.txt.99999-0.partial", ".a.txt.1-12.partial"];
     let others = [".a.txt.1-x.partial", ".a.txt.partial", ".b.txt.99999-0.partial", "a.txt.99999-0.partial"];
     dead.iter().chain(&others).for_each(|name| place.write(name, "half"));
     place.write(".a.txt.7-0.partial", "alive");
