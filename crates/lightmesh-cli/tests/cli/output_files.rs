@@ -280,7 +280,7 @@ mod on_unix {
         end(child, "-KILL");
         assert_eq!(partials, 2);
         assert_eq!(fs::read(place.path("a.png")).unwrap(), b"old");
-        place.write(".a.png.99999-0.partial", "as older versions leave it");
+        place.write(".a.png.9999999999-0.partial", "as older versions leave it");
         place.run(&format!("render scene.gltf -o a.png -o a.exr {SHORT}")).exits(0);
         assert_eq!(place.files(), ["a.exr", "a.png", "scene.gltf"]);
     }

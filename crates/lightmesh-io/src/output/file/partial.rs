@@ -105,23 +105,30 @@ pub(super) fn beside(name: &Path, ending: &str) -> OsString {
     hidden
 }
 
-/// Removes temporaries of the form `.NAME.PROCESS-NUMBER.partial` whose writers are dead.
+/// Removes temporaries of the form `.NAME.PROCESS-NUMBER.partial` whose writers are dead. Versions before 0.2 lock none
+/// of theirs: where another process has that number now, they stay.
 fn remove_leftovers(folder: &Path, name: &Path) {
     let start = beside(name, "");
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let file_name = entry.file_name();
         let rest = file_name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
-        if rest.and_then(|rest| rest.strip_suffix(b".partial")).is_some_and(is_process_and_number) {
+        let process = rest.and_then(|rest| rest.strip_suffix(b".partial")).and_then(process_of);
+        if process.is_some_and(|process| !is_another_process(process)) {
             remove_if_dead(&entry.path());
         }
     }
 }
 
-/// Returns whether a text is two numbers with a hyphen between them.
-fn is_process_and_number(text: &[u8]) -> bool {
-    let is_number = |part: &[u8]| !part.is_empty() && part.iter().all(u8::is_ascii_digit);
-    let mut parts = text.split(|&c| c == b'-');
-    matches!((parts.next(), parts.next(), parts.next()), (Some(a), Some(b), None) if is_number(a) && is_number(b))
+/// Returns the first of two numbers with a hyphen between them; `None` for any other text.
+fn process_of(text: &[u8]) -> Option<&str> {
+    let (process, number) = std::str::from_utf8(text).ok()?.split_once('-')?;
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|c| c.is_ascii_digit());
+    (is_number(process) && is_number(number)).then_some(process)
+}
+
+/// Returns whether another process than this one has that number, as far as the system tells.
+fn is_another_process(process: &str) -> bool {
+    process != std::process::id().to_string() && Path::new("/proc").join(process).exists()
 }
 
 /// What became of a temporary that was there already.
@@ -177,11 +184,11 @@ mod tests {
 
     #[test]
     fn only_names_of_temporaries_are_taken_for_them() {
-        for (text, is_one) in
-            [("12-0", true), ("1-22", true), ("12", false), ("a-0", false), ("1-2-3", false), ("-", false)]
+        for (text, process) in [("12-0", Some("12")), ("1-22", Some("1")), ("12", None), ("a-0", None), ("1-2-3", None)]
         {
-            assert_eq!(is_process_and_number(text.as_bytes()), is_one, "{text}");
+            assert_eq!(process_of(text.as_bytes()), process, "{text}");
         }
+        assert_eq!((process_of(b"-"), process_of(b"1-\xff")), (None, None));
         assert_eq!(beside(Path::new("a.png"), "lightmesh.partial"), ".a.png.lightmesh.partial");
         assert!(beside(Path::new(&"x".repeat(250)), "lightmesh.partial").len() < 50);
     }

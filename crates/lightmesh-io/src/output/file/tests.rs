@@ -90,14 +90,26 @@ fn a_second_writer_is_told_until_the_first_has_ended() {
 #[test]
 fn leftovers_of_the_dead_are_removed_and_nothing_else() {
     let place = Place::new();
-    let dead = [".a.txt.lightmesh.partial", ".a.txt.lightmesh.old", ".a.txt.99999-0.partial", ".a.txt.1-12.partial"];
-    let others = [".a.txt.1-x.partial", ".a.txt.partial", ".b.txt.99999-0.partial", "a.txt.99999-0.partial"];
+    // No process has a number of so many digits; this one has not written the last.
+    let ours = format!(".a.txt.{}-3.partial", std::process::id());
+    let dead = [
+        ".a.txt.lightmesh.partial",
+        ".a.txt.lightmesh.old",
+        ".a.txt.9999999999-0.partial",
+        ".a.txt.9999999998-12.partial",
+        &ours,
+    ];
+    let mut others =
+        vec![".a.txt.1-x.partial", ".a.txt.partial", ".b.txt.9999999999-0.partial", "a.txt.99999-0.partial"];
+    if Path::new("/proc/1").exists() {
+        others.push(".a.txt.1-0.partial");
+    }
     dead.iter().chain(&others).for_each(|name| place.write(name, "half"));
-    place.write(".a.txt.7-0.partial", "alive");
-    let alive = File::open(place.path(".a.txt.7-0.partial")).unwrap();
+    place.write(".a.txt.9999999997-0.partial", "alive");
+    let alive = File::open(place.path(".a.txt.9999999997-0.partial")).unwrap();
     alive.lock().unwrap();
     staged(&place.path("a.txt"), "new").commit().unwrap();
-    let mut left = vec![".a.txt.7-0.partial", "a.txt"];
+    let mut left = vec![".a.txt.9999999997-0.partial", "a.txt"];
     left.extend(others);
     left.sort_unstable();
     assert_eq!(place.names(), left);
