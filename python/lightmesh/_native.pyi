@@ -1,5 +1,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, final
 
 import numpy
@@ -21,6 +22,7 @@ __all__ = [
     "_compare",
     "_options",
     "_run_program",
+    "_write_file",
     "join_bricks",
     "subtract_bricks",
 ]
@@ -184,6 +186,8 @@ class Scene:
     def set_environment(
         self, environment: ArrayLike | None, *, strength: float = 1.0, rotation: float = 0.0
     ) -> None: ...
+    @property
+    def files(self) -> list[Path]: ...
     @property
     def triangle_count(self) -> int: ...
     @property
@@ -466,3 +470,4 @@ def _compare(
 ) -> tuple[float, float, float, float | None]: ...
 def _options() -> list[_Option]: ...
 def _run_program(arguments: Sequence[str]) -> int: ...
+def _write_file(path: _Path, data: bytes) -> None: ...

@@ -5,6 +5,7 @@ Exit codes: 0 done; 1 failed while working; 2 bad input or usage; 130 interrupte
 
 import argparse
 import json
+import os
 import re
 import shutil
 import sys
@@ -12,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from lightmesh._native import Camera, Image, LightMesh, Scene, _options
+from lightmesh._native import Camera, Image, LightMesh, Scene, _options, _write_file
 from lightmesh.cluster import bake, render_frames
 from lightmesh.cluster.partition import TASKS_PER_WORKER
 from lightmesh.cluster.job import GATHER_BYTES, CameraChoice
@@ -50,6 +51,9 @@ def _run(args: argparse.Namespace) -> None:
     scene = Scene.load(args.scene_file, **_chosen(args, _OF_LOADING), **_chosen(args, ("max_memory",)))
     for warning in scene.warnings:
         _say(args, f"warning: {warning}")
+    frames = [0] if args.command != "frames" else range(len(_cameras(scene, args.cameras)))
+    outputs = [("--output", file) for frame in frames for file in _files(args, frame)]
+    _check_places([*outputs, *_stats(args)], [("a file of the scene,", file) for file in scene.files])
     job = _job(args)
     stats: dict[str, Any] = {}
     chosen = _chosen(args, [option["name"] for option in _options() if option["name"] not in _ELSEWHERE])
@@ -77,7 +81,7 @@ def _run(args: argparse.Namespace) -> None:
             for file in _files(args, frame):
                 _save(args, image, file)
     if args.stats:
-        args.stats.write_text(json.dumps(stats, indent=1) + "\n", encoding="utf-8")
+        _write_file(args.stats, (json.dumps(stats, indent=1) + "\n").encode())
     _say(args, _workers_in_words(stats))
     if not args.keep_job:
         shutil.rmtree(job)
@@ -225,6 +229,38 @@ def _check_outputs(args: argparse.Namespace) -> None:
             raise OptionError(f"--output: {file} is neither .png nor .exr")
         if not Path(file).parent.is_dir():
             raise OptionError(f"--output: the folder {Path(file).parent} does not exist")
+    read = [("the scene", args.scene_file), ("the light mesh of --mesh,", getattr(args, "mesh", None))]
+    read += [("the environment map", args.environment), ("the cameras", getattr(args, "cameras", None))]
+    outputs = [("--output", Path(file)) for file in args.output]
+    _check_places([*outputs, *_stats(args)], [(what, Path(file)) for what, file in read if file is not None])
+
+
+def _stats(args: argparse.Namespace) -> list[tuple[str, Path]]:
+    """The file for statistics, if there is one."""
+    return [("--stats", args.stats)] if args.stats else []
+
+
+def _check_places(outputs: Sequence[tuple[str, Path]], read: Sequence[tuple[str, Path]]) -> None:
+    """Refuses outputs that are files which are read, or other outputs, whatever they are called."""
+    for option, file in outputs:
+        for what, other in read:
+            if _is_same(file, other):
+                raise OptionError(f"{option}: {file} would replace {what} {other}; name another file")
+    real: dict[str, Path] = {}
+    for option, file in outputs:
+        other = real.setdefault(os.path.realpath(file), file)
+        if other is not file and not _is_device(file):
+            same = "" if str(other) == str(file) else f": it is the same file as {other}"
+            raise OptionError(f"{option}: {file} is named twice as an output{same}")
+
+
+def _is_same(file: Path, other: Path) -> bool:
+    return file.exists() and other.exists() and file.samefile(other)
+
+
+def _is_device(file: Path) -> bool:
+    """Whether many outputs may go there, as to /dev/null."""
+    return file.is_char_device()
 
 
 def _save(args: argparse.Namespace, image: Image, file: Path) -> None:

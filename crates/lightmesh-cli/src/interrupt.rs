@@ -30,10 +30,13 @@ pub(crate) fn listen() {
             end();
         }
         // The handler itself stays free for the second press.
-        thread::spawn(|| {
+        let watchdog = thread::Builder::new().spawn(|| {
             thread::sleep(GRACE);
             end();
         });
+        if watchdog.is_err() {
+            end();
+        }
     });
 }
 
@@ -49,6 +52,15 @@ pub(crate) fn remove_at_end(path: PathBuf) {
     if !temporaries.contains(&path) {
         temporaries.push(path);
     }
+}
+
+/// Does what gives these temporaries their names, all of them: the program does not end meanwhile. They need not be
+/// removed after that.
+pub(crate) fn undisturbed<T>(named: &[PathBuf], work: impl FnOnce() -> T) -> T {
+    let mut temporaries = TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner);
+    let result = work();
+    temporaries.retain(|path| !named.contains(path));
+    result
 }
 
 /// Removes the temporaries and ends the program.

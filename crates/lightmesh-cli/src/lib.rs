@@ -22,6 +22,7 @@ mod reproduce;
 mod settings;
 mod stats;
 mod terminal;
+mod threads;
 
 use std::ffi::OsString;
 
@@ -38,6 +39,7 @@ pub use crate::{
     environment::{FirstLit, add_first_light, apply as apply_environment, read as read_environment},
     settings::json as settings_json,
     stats::{MeshesStats, Stats, WorkStats, non_finite_message},
+    threads::Threads,
 };
 
 /// Name and version of the program, as picture files carry it.
@@ -53,8 +55,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     };
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Compare(args) => compare::run(&args),
+        Command::Info(args) => on_threads(|| info::run(&args)),
+        Command::Compare(args) => on_threads(|| compare::run(&args)),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
@@ -63,4 +65,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(()) => 0,
         Err(failure) => failure.report(),
     }
+}
+
+/// Runs a command that has no option for threads.
+fn on_threads(work: impl FnOnce() -> Result<(), exit::Failure> + Send) -> Result<(), exit::Failure> {
+    threads::start(None, terminal::warning)?.install(work)
 }

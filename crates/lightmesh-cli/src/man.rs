@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use clap::CommandFactory;
+use lightmesh_io::output::StagedFile;
 
 use crate::args::{Cli, ManArgs};
 use crate::exit::Failure;
@@ -25,6 +26,14 @@ pub(crate) fn run(args: &ManArgs) -> Result<(), Failure> {
 /// `lightmesh.1`, `lightmesh-render.1` and so on.
 fn write(folder: &Path) -> anyhow::Result<()> {
     fs::create_dir_all(folder)?;
-    clap_mangen::generate_to(Cli::command(), folder)?;
+    let mut program = Cli::command().disable_help_subcommand(true);
+    program.build();
+    let commands: Vec<clap::Command> = program.get_subcommands().cloned().collect();
+    for command in commands.into_iter().chain([program]).filter(|command| !command.is_hide_set()) {
+        let page = clap_mangen::Man::new(command);
+        let mut file = StagedFile::create(&folder.join(page.get_filename()))?;
+        page.render(&mut file)?;
+        file.commit()?;
+    }
     Ok(())
 }

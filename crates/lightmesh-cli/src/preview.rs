@@ -13,7 +13,13 @@ use std::{
 use lightmesh::{Image, Progress, Stage, Viewer};
 use lightmesh_io::output::{Metadata, StagedFile, write_png};
 
-use crate::{args::Exposure, exit::Failure, interrupt, outputs, progress::Bar};
+use crate::{
+    args::Exposure,
+    exit::Failure,
+    interrupt,
+    outputs::{self, fill},
+    progress::Bar,
+};
 
 /// The least time from the end of writing one preview to the next one.
 const PERIOD: Duration = Duration::from_secs(1);
@@ -26,6 +32,8 @@ const PAUSE: u32 = 9;
 #[derive(Debug)]
 pub(crate) struct Preview<'a> {
     pub(crate) path: PathBuf,
+    /// Empty, and ours: for the next picture. `None` after a failure.
+    pub(crate) next: Mutex<Option<StagedFile>>,
     pub(crate) exposure: Exposure,
     pub(crate) metadata: &'a Metadata,
 }
@@ -38,7 +46,7 @@ impl Preview<'_> {
         let (pictures, received) = mpsc::sync_channel(1);
         thread::scope(|scope| {
             let due = &due;
-            scope.spawn(move || {
+            let write_all = move || {
                 // A pool of its own: that of the render is busy.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
                 let write = |picture: &Image| match &pool {
@@ -58,16 +66,29 @@ impl Preview<'_> {
                     let pause = PERIOD.max(started.elapsed() * PAUSE);
                     *due.lock().unwrap_or_else(PoisonError::into_inner) = Due::At(Instant::now() + pause);
                 }
-            });
-            work(&Writer { bar, due, pictures })
+            };
+            // Without a thread for it there is no preview.
+            match thread::Builder::new().spawn_scoped(scope, write_all) {
+                Ok(_) => work(&Writer { bar, due, pictures }),
+                Err(_) => work(bar),
+            }
         })
     }
 
     /// Writes the file: whole, or it stays as it was.
     fn write(&self, picture: &Image) -> Result<(), Failure> {
         let ev = self.exposure.for_picture(picture);
-        let file = outputs::stage(&self.path, |file: &mut StagedFile| write_png(file, picture, ev, self.metadata))?;
-        outputs::commit([file])
+        let mut next = self.next.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = match next.take() {
+            Some(file) => file,
+            None => StagedFile::create(&self.path).map_err(Failure::work)?,
+        };
+        let file = fill(file, |file| write_png(file, picture, ev, self.metadata))?;
+        outputs::commit([file])?;
+        // Stay the only one who writes it.
+        *next = StagedFile::create(&self.path).ok();
+        next.iter().for_each(outputs::remove_at_end);
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::{
     io::IsTerminal,
     sync::{Mutex, PoisonError},
+    thread,
     time::{Duration, Instant},
 };
 
@@ -32,7 +33,10 @@ impl Bar {
     pub(crate) fn spin(&self, what: &'static str) {
         self.bar.set_style(ProgressStyle::default_spinner());
         self.bar.set_message(what);
-        self.bar.enable_steady_tick(Duration::from_millis(100));
+        // It ticks on a thread, which indicatif takes for granted.
+        if !self.bar.is_hidden() && thread::Builder::new().spawn(|| {}).is_ok() {
+            self.bar.enable_steady_tick(Duration::from_millis(100));
+        }
     }
 
     /// Takes the bar away; call before anything else is written to stderr.

@@ -11,7 +11,7 @@ use lightmesh_io::{
 
 use crate::{
     SOFTWARE,
-    args::{EmitterArgs, RenderArgs, Surroundings},
+    args::{EmitterArgs, RenderArgs},
     camera_choice, environment, error_report,
     exit::Failure,
     interrupt,
@@ -20,27 +20,22 @@ use crate::{
     progress::Bar,
     settings,
     stats::{Stats, non_finite_message},
-    terminal,
+    terminal, threads,
 };
 
 /// Renders one picture into all its files.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let warn = |message: &str| {
-        if !args.quiet {
-            terminal::warning(message);
-        }
-    };
+    let warn = |message: &str| warn(args, message);
 
     // Refuse what can be refused before any work.
-    let mut options = args.options()?;
-    let Surroundings { emitters, threads } = args.surroundings();
-    let max_memory = options.limits.max_memory;
-    let has_size = args.chosen.get("size").is_some();
-    if has_size {
+    let options = args.options()?;
+    let surroundings = args.surroundings();
+    if args.chosen.get("size").is_some() {
         check_memory(args, &options)?;
     }
-    let outputs = Outputs::check(args)?;
+    interrupt::listen();
+    let outputs = Outputs::check(args, &surroundings)?;
     if !options.picture.aovs.is_empty() && !outputs.has_exr() {
         return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
     }
@@ -50,16 +45,26 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         }
     }
 
-    // Listen to Ctrl-C, and start the threads.
-    interrupt::listen();
-    if let Some(threads) = threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
-        pool.build_global().context("threads").map_err(Failure::Work)?;
-    }
+    // Start the threads, and work on them.
+    let pool = threads::start(surroundings.threads, warn)?;
+    pool.install(|| render(args, options, &surroundings.emitters, outputs, start))
+}
+
+/// Reads the scene, renders the picture and writes the files.
+fn render(
+    args: &RenderArgs,
+    mut options: RenderOptions,
+    emitters: &EmitterArgs,
+    mut outputs: Outputs,
+    start: Instant,
+) -> Result<(), Failure> {
+    let warn = |message: &str| warn(args, message);
     let bar = Bar::new(args.quiet, options.picture.time_limit);
+    let max_memory = options.limits.max_memory;
+    let has_size = args.chosen.get("size").is_some();
 
     // Read the environment and the mesh, which fail sooner, and the scene.
-    let asked_for = environment::read(&emitters, max_memory, warn).map_err(Failure::input)?;
+    let asked_for = environment::read(emitters, max_memory, warn).map_err(Failure::input)?;
     let known = args.mesh.as_deref().map(|path| Ok((path, lightmesh_io::read_mesh(path, max_memory)?)));
     let known = known.transpose().map_err(|error: lightmesh_io::Error| Failure::input(error))?;
     bar.spin("reading the scene");
@@ -67,6 +72,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let loaded = lightmesh_io::load(&args.scene, &load_options).map_err(Failure::input);
     bar.clear();
     let loaded = loaded?;
+    outputs.spare(&loaded.files)?;
     stop_if_interrupted()?;
     let load = start.elapsed();
     loaded.warnings.iter().for_each(|w| warn(w));
@@ -74,7 +80,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Build it.
     let build_start = Instant::now();
     bar.spin("building");
-    let built = build(loaded.data, asked_for, &emitters, &options.limits, args.camera.as_deref());
+    let built = build(loaded.data, asked_for, emitters, &options.limits, args.camera.as_deref());
     bar.clear();
     let Built { scene, camera, warnings } =
         built.map_err(|failure| name_the_file(failure, &args.scene.display().to_string()))?;
@@ -91,7 +97,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         software: SOFTWARE.to_owned(),
         method: options.method.to_string(),
         scene: args.scene.display().to_string(),
-        settings: settings::json(&options, &emitters, load_options.units, &camera.name),
+        settings: settings::json(&options, emitters, load_options.units, &camera.name),
         seconds: 0.0,
         estimated_error: None,
         spp: options.picture.spp,
@@ -108,7 +114,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let frame = match &args.preview {
         None => render(&bar),
         Some(path) => {
-            let preview = Preview { path: path.clone(), exposure: args.exposure, metadata: &metadata };
+            let next = outputs.take_preview().into();
+            let preview = Preview { path: path.clone(), next, exposure: args.exposure, metadata: &metadata };
             preview.follow(&bar, warn, render)
         }
     };
@@ -160,6 +167,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             Err(Failure::TooInexact(error_report::verdict(bound, estimate)))
         }
         _ => Ok(()),
+    }
+}
+
+/// Says a warning, if any are wanted.
+fn warn(args: &RenderArgs, message: &str) {
+    if !args.quiet {
+        terminal::warning(message);
     }
 }
 

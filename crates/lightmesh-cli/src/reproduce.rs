@@ -1,29 +1,32 @@
 //! `lightmesh reproduce`.
 
 use std::io::IsTerminal as _;
+use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use indicatif::{ProgressBar, ProgressStyle};
 use lightmesh_reproduce::{Error, Options, PAGE, Verdict, Watcher, reproduce};
 
 use crate::args::ReproduceArgs;
 use crate::exit::Failure;
-use crate::{interrupt, terminal};
+use crate::{interrupt, terminal, threads};
 
 /// Runs the experiments and says what became of the paper's claims.
 pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     // Listen to Ctrl-C, and start the threads.
     interrupt::listen();
-    if let Some(threads) = args.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
-        pool.build_global().context("threads").map_err(Failure::Work)?;
-    }
+    let warn = |message: &str| {
+        if !args.quiet {
+            terminal::warning(message);
+        }
+    };
+    let pool = threads::start(args.threads, warn)?;
 
     // Run the experiments.
     let bar = Bar::new(args.quiet);
     let options = Options { quick: args.quick, force: args.force, only: args.only.clone() };
-    let report = reproduce(&args.output, &options, &bar);
+    let report = pool.install(|| reproduce(&args.output, &options, &bar));
     bar.0.finish_and_clear();
     let report = report.map_err(|error| match error {
         _ if error.is_cancelled() => Failure::Interrupted,
@@ -58,7 +61,9 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed}\n{prefix}: {msg}") {
             bar.set_style(style);
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
+        if !bar.is_hidden() && thread::Builder::new().spawn(|| {}).is_ok() {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
         Self(bar)
     }
 }

@@ -66,6 +66,15 @@ pub(crate) fn open(folder: Option<&Path>, name: &str, allow_outside: bool) -> Re
     Ok(Beside { file, length: metadata.len() })
 }
 
+/// Returns the path of the file that a scene in `folder` calls `name`, if it may read it; the file system is not asked.
+pub(crate) fn path_of(folder: Option<&Path>, name: &str, allow_outside: bool) -> Option<PathBuf> {
+    let relative = name.replace('\\', "/");
+    let is_allowed = allow_outside || stays_inside(Path::new(&relative));
+    folder
+        .filter(|_| is_allowed && !relative.is_empty() && !relative.contains('\0'))
+        .map(|folder| folder.join(relative))
+}
+
 impl Beside {
     /// The first [`Beside::length`] bytes: what is appended meanwhile was not paid for.
     pub(crate) fn read(self) -> io::Result<Vec<u8>> {

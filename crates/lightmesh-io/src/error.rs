@@ -213,6 +213,20 @@ pub enum Error {
         /// The folder.
         file: String,
     },
+    /// Two outputs are one file.
+    #[error("{file}: named twice as an output{}", if .other == .file { String::new() } else { format!(": it is the same file as {other}") })]
+    SameOutput {
+        /// The second of them.
+        file: String,
+        /// The first.
+        other: String,
+    },
+    /// Another process is writing the file.
+    #[error("{file}: another program is writing it; wait until that has ended, or name another file")]
+    InUse {
+        /// The file.
+        file: String,
+    },
     /// The operating system would not write a file.
     #[error("{file}: cannot be written: {cause}")]
     Write {
@@ -220,6 +234,16 @@ pub enum Error {
         file: String,
         /// What the operating system said.
         cause: io::Error,
+    },
+    /// The operating system would not write a file, and those before it could not be taken back.
+    #[error("{file}: cannot be written: {cause}; {replaced} is already replaced")]
+    PartlyWritten {
+        /// The file.
+        file: String,
+        /// What the operating system said.
+        cause: io::Error,
+        /// The files that are new, separated by commas.
+        replaced: String,
     },
 }
 

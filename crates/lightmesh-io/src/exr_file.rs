@@ -17,6 +17,9 @@ const MAX_CHANNELS: usize = 1024;
 /// (1032 to 1) three of four bytes: 1376, rounded up.
 const EXPANSION: u64 = 2048;
 
+/// More threads than this are not made for a file.
+const MOST_THREADS: usize = 1024;
+
 /// Reads the first layer that has colour (R, G, B), else the first that has luminance (Y); alpha is left out. What is
 /// allocated is paid from `budget` first.
 pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut Budget) -> Result<Image, Error> {
@@ -30,14 +33,10 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
 
     // Take the first layer that has colour, else the first that has luminance.
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(reader)
-        .map_err(unreadable)?;
+    let reading =
+        exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let reading = if may_make_threads() { reading } else { reading.non_parallel() };
+    let image = reading.from_buffered(reader).map_err(unreadable)?;
     let layer_with = |names: [&str; 3]| {
         image.layer_data.iter().find_map(|layer| {
             let [r, g, b] = names.map(|name| full_channel(&layer.channel_data, name));
@@ -54,6 +53,13 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     let pixels =
         r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
     Ok(Image::new(size.x() as u32, size.y() as u32, pixels))
+}
+
+/// Returns whether the library for EXR files may make threads of its own: as many as RAYON_NUM_THREADS says, or one for
+/// each core.
+pub(crate) fn may_make_threads() -> bool {
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.trim().parse::<usize>().ok());
+    rayon::current_num_threads() > 1 && asked.is_none_or(|count| count <= MOST_THREADS)
 }
 
 /// The sizes that headers announce.

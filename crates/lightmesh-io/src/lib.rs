@@ -37,6 +37,8 @@ mod load_options;
 mod mesh_file;
 mod obj;
 pub mod output;
+#[cfg(test)]
+mod output_faults;
 mod picture;
 mod picture_file;
 mod ply;

@@ -1,5 +1,7 @@
 //! The options and the result of every reader of scenes.
 
+use std::path::PathBuf;
+
 use lightmesh::SceneData;
 
 /// Units of the intensities of punctual lights.
@@ -41,4 +43,7 @@ pub struct Loaded {
     pub data: SceneData,
     /// What was left out or mended, one sentence each.
     pub warnings: Vec<String>,
+    /// The file itself and every file that it names: buffers, images, material libraries, whether they are there and
+    /// in use or not. What is written while the scene is of use must not take their places.
+    pub files: Vec<PathBuf>,
 }

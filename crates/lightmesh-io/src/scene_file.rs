@@ -1,7 +1,7 @@
 //! Reads a scene file with the reader for its format.
 
-use std::fs::File;
-use std::io::Read;
+use std::fs::{self, File};
+use std::io::{self, Read};
 use std::path::Path;
 
 use crate::budget::Budget;
@@ -21,6 +21,7 @@ const READABLE: &str = "glTF 2.0 (.gltf, .glb), Wavefront OBJ (.obj) and PLY (.p
 /// allow.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let file = path.display().to_string();
+    refuse_other_than_files(path, &file)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     let reader: Reader = match extension.as_str() {
         "gltf" | "glb" => gltf::read,
@@ -40,7 +41,21 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let bytes = read_file(path, &file, &mut budget)?;
     // A relative path without a folder lies in the current one.
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    reader(&file, &bytes, Some(folder), options, budget)
+    let mut loaded = reader(&file, &bytes, Some(folder), options, budget)?;
+    loaded.files.insert(0, path.to_owned());
+    Ok(loaded)
+}
+
+/// Refuses what has no beginning and no end: a pipe could keep us waiting, and a device could go on for ever.
+fn refuse_other_than_files(path: &Path, file: &str) -> Result<(), Error> {
+    let read_error = |cause| Error::Read { file: one_line(file), cause };
+    let there = fs::metadata(path).map_err(read_error)?;
+    // What is wrong with a folder is said by the operating system.
+    if there.is_file() || there.is_dir() {
+        return Ok(());
+    }
+    let what = "it is a pipe, a device or a socket and not a file";
+    Err(read_error(io::Error::new(io::ErrorKind::InvalidInput, what)))
 }
 
 /// Turns a file's name, bytes and folder into a scene, with what the file itself has left of the budget.

@@ -305,3 +305,19 @@ fn names_cannot_break_or_flood_a_message() {
     gltf.json["nodes"][0]["children"] = json!([9]);
     assert!(gltf.refusal().len() < 1_000);
 }
+
+/// What must not be written to: also a file that is missing, or that nothing uses, but none outside of the folder.
+#[test]
+fn the_files_that_a_scene_names_are_known() {
+    let folder = Folder::new("named");
+    let (json, binary) = text("./textures/a%20b.bin");
+    let images = r#""images": [{"uri": "oak.png"}, {"uri": "../outside.png"}, {"uri": "data:,x"}], "buffers""#;
+    let path = folder.write("scene/a.gltf", json.replace(r#""buffers""#, images));
+    folder.write("scene/textures/a b.bin", binary);
+    let named = |options: &LoadOptions| load(&path, options).unwrap().files;
+    let scene = folder.0.join("scene");
+    let inside = [path.clone(), scene.join("./textures/a b.bin"), scene.join("oak.png")];
+    assert_eq!(named(&LoadOptions::default()), inside);
+    let all = named(&LoadOptions { allow_outside: true, ..LoadOptions::default() });
+    assert_eq!(all, [inside.as_slice(), &[scene.join("../outside.png")]].concat());
+}

@@ -1,7 +1,8 @@
 //! Pictures.
 
-use std::io::{self, Cursor, Write as _};
+use std::io::{self, Cursor};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use lightmesh::{Camera, Frame, Image, Layer, RenderOptions};
 use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, parse_exposure, settings_json};
@@ -15,7 +16,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::error::{self, Raise};
 use crate::view::{self, Keeps};
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{json, keywords};
+use crate::{json, keywords, output, pool};
 
 /// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy
 /// and not to be written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
@@ -28,6 +29,8 @@ pub(crate) struct PyImage {
     has_camera: bool,
     /// Statistics as JSON; empty for a picture from a file.
     stats: String,
+    /// The files of its scene.
+    scene_files: Arc<[PathBuf]>,
 }
 
 impl Keeps for PyImage {
@@ -58,7 +61,14 @@ impl PyImage {
             spp: 0,
             camera: Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, 1.0),
         };
-        Ok(Self { picture, layers: Vec::new(), metadata, has_camera: false, stats: String::new() })
+        Ok(Self {
+            picture,
+            layers: Vec::new(),
+            metadata,
+            has_camera: false,
+            stats: String::new(),
+            scene_files: Arc::default(),
+        })
     }
 
     /// (H, W, 3).
@@ -107,7 +117,8 @@ impl PyImage {
     }
 
     /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears
-    /// whole or not at all.
+    /// whole or not at all; files that the scene was read from are not replaced (OptionError), and an Error says that
+    /// another thread or program is writing the same file.
     ///
     /// exposure: EV of a .png, or "auto". half: 16-bit instead of 32-bit floats in an .exr.
     #[pyo3(signature = (path, *, exposure=None, half=false), text_signature = "($self, path, *, exposure='auto', half=False)")]
@@ -129,16 +140,16 @@ impl PyImage {
             ));
         }
         let precision = if half { Precision::Half } else { Precision::Single };
-        let written = py.detach(|| {
+        output::spare(py, &path, &self.scene_files)?;
+        let written = pool::detached(py, || {
             let mut file = StagedFile::create(&path)?;
             let written = match format {
                 Format::Png => self.write_png(&mut file, exposure),
                 Format::Exr => write_exr(&mut file, &self.picture.image, &self.layers, precision, &self.metadata),
             };
-            let name = || path.display().to_string();
-            written.and_then(|()| file.flush()).map_err(|cause| lightmesh_io::Error::Write { file: name(), cause })?;
+            written.map_err(|cause| file.error(cause))?;
             file.commit()
-        });
+        })?;
         written.map_err(|error| error.raise(py))
     }
 
@@ -165,10 +176,10 @@ impl PyImage {
 
     /// The picture as a PNG, exposed automatically and tone mapped.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let png = py.detach(|| {
+        let png = pool::detached(py, || {
             let mut png = Cursor::new(Vec::new());
             self.write_png(&mut png, Exposure::Auto).map(|()| png.into_inner())
-        });
+        })?;
         Ok(PyBytes::new(py, &png.map_err(|error| error::internal(&error.to_string()))?))
     }
 
@@ -180,7 +191,7 @@ impl PyImage {
 
 impl PyImage {
     /// Wraps a finished picture, with its statistics as JSON.
-    pub(crate) fn of_frame(frame: Frame, metadata: Metadata, stats: String) -> Self {
+    pub(crate) fn of_frame(frame: Frame, metadata: Metadata, stats: String, scene_files: Arc<[PathBuf]>) -> Self {
         let metadata = Metadata {
             seconds: frame.stats.seconds.render,
             spp: frame.stats.spp,
@@ -188,7 +199,7 @@ impl PyImage {
             ..metadata
         };
         let picture = Picture { image: frame.image, encoding: Encoding::SceneLinear };
-        Self { picture, layers: frame.layers, metadata, has_camera: true, stats }
+        Self { picture, layers: frame.layers, metadata, has_camera: true, stats, scene_files }
     }
 
     fn rows_and_columns(&self) -> (usize, usize) {

@@ -1,5 +1,6 @@
 //! What processes need to work on parts of one picture.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use lightmesh::distributed::{self, Prepared};
@@ -17,6 +18,8 @@ use crate::work::{Watch, locked};
 pub(crate) struct Job {
     pub(crate) name: String,
     pub(crate) units: Units,
+    /// The files of the scene.
+    pub(crate) files: Arc<[PathBuf]>,
     pub(crate) emitters: EmitterArgs,
     pub(crate) built: Arc<Built>,
     pub(crate) camera: Camera,

@@ -20,7 +20,9 @@ mod mesh_files;
 mod meters;
 mod methods;
 mod metrics;
+mod output;
 mod picture_job;
+mod pool;
 mod portions;
 mod program;
 mod render;
@@ -53,6 +55,8 @@ mod _native {
     #[pymodule_export]
     use super::metrics::compare;
     #[pymodule_export]
+    use super::output::write_file;
+    #[pymodule_export]
     use super::picture_job::PyPictureJob;
     #[pymodule_export]
     use super::program::run_program;
@@ -63,6 +67,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::pool::watch_forks(module.py())?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

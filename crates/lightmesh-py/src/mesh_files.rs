@@ -74,9 +74,8 @@ pub(crate) fn save(
         };
         let total = file.array_bytes();
         let mut out = Watched { out: &mut staged, watch, done: 0, total };
-        let written = write_mesh_to(&mut out, &file).and_then(|()| out.out.flush());
-        let name = || path.display().to_string();
-        written.map_err(|cause| SaveError::File(Error::Write { file: name(), cause }))?;
+        let written = write_mesh_to(&mut out, &file);
+        written.map_err(|cause| SaveError::File(staged.error(cause)))?;
         watch.saved(total, total);
         staged.commit().map_err(SaveError::File)
     };

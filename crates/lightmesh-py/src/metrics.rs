@@ -7,7 +7,7 @@ use lightmesh_io::{Encoding, Picture};
 use pyo3::prelude::*;
 
 use crate::image::PyImage;
-use crate::{arrays, error};
+use crate::{arrays, error, pool};
 
 /// Compares `a` with the reference `b`. Returns relrmse, bias, max and, unless `linear` is set, flip.
 ///
@@ -25,11 +25,11 @@ pub(crate) fn compare(
     if size(a) != size(b) {
         return Err(error::scene(py, format!("sizes differ: a is {}, b is {}", size(a), size(b))));
     }
-    Ok(py.detach(|| {
+    pool::detached(py, || {
         let d = difference(&a.image.pixels, &b.image.pixels);
         let flip = (!linear).then(|| lightmesh_cli::visible_difference(a, b));
         (d.relrmse, d.bias, d.max, flip)
-    }))
+    })
 }
 
 /// A picture to compare.

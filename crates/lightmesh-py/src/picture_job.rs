@@ -20,7 +20,7 @@ use crate::render::warn_of_non_finite;
 use crate::scene::{LitScene, PyScene, scene_camera};
 use crate::shared_mesh::SharedMesh;
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{arrays, bricks, json, keywords};
+use crate::{arrays, bricks, json, keywords, pool};
 
 /// One picture that several processes render in parts, as lightmesh.cluster does.
 ///
@@ -72,6 +72,7 @@ impl PyPictureJob {
         let job = Job {
             name: origin.name.clone(),
             units: origin.units,
+            files: Arc::clone(&origin.files),
             emitters: keywords.emitters().clone(),
             built,
             camera,
@@ -253,9 +254,12 @@ impl PyPictureJob {
             Ok(distributed::merge_images(&job.built.scene, &job.camera, &job.options, &taken, anew)?)
         })?;
         warn_of_non_finite(py, &frame)?;
-        let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
+        let stats = pool::detached(py, || {
+            let stats = Stats::new(job.name.clone(), &job.built.scene, &job.options, &frame.stats);
+            serde_json::to_string(&stats)
+        })?;
         let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
-        Ok(PyImage::of_frame(frame, metadata, json::written(serde_json::to_string(&stats))?))
+        Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&job.files)))
     }
 
     fn __repr__(&self) -> String {

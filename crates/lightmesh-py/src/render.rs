@@ -1,5 +1,6 @@
 //! Pictures of scenes.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use lightmesh::{Camera, Frame, LightMesh};
@@ -51,7 +52,7 @@ pub(crate) fn render(
 
     let (frame, stats) = rendered.ok_or_else(|| shared_mesh::in_use(py))?.map_err(|error| error.raise(py))?;
     warn_of_non_finite(py, &frame)?;
-    Ok(PyImage::of_frame(frame, metadata, json::written(stats)?))
+    Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&origin.files)))
 }
 
 /// Warns (`RuntimeWarning`) if pixels are black because they were no numbers.

@@ -10,7 +10,7 @@ use std::time::Duration;
 use lightmesh::{Progress, Stage};
 use pyo3::prelude::*;
 
-use crate::error;
+use crate::{error, pool};
 
 /// How often signals and progress are looked at.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -111,14 +111,8 @@ pub(crate) fn run<T: Send + 'static>(
     at_interrupt: AtInterrupt,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
-    // Make a pool, if it is not the one that all share.
-    let pool = match threads {
-        None => None,
-        Some(threads) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            Some(pool.map_err(|error| error::general(py, format!("threads: {error}")))?)
-        }
-    };
+    // Find the threads to work on.
+    let pool = pool::of(py, threads)?;
 
     // Start the work on a thread of its own.
     let watch = Watch { reports: Mutex::new(callback.map(|_| Vec::new())), ..Watch::default() };

@@ -38,6 +38,10 @@ impl Folder {
     /// cannot be used.
     pub(crate) fn kept(&self, id: &str, run: &Report) -> Result<Option<Section>, Error> {
         let path = self.experiment(id);
+        // A pipe could keep us waiting for ever.
+        if fs::metadata(&path).is_ok_and(|there| !there.is_file()) {
+            return Ok(None);
+        }
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(None),

@@ -102,7 +102,7 @@ pub const SURROUNDINGS: [Entry<Surroundings>; 6] = [
             kind: Kind::Whole(1, 4096),
             value_name: "N",
             group: Group::Machine,
-            help: "Threads",
+            help: "Threads; at most 4 for each core, or 64 where that is more",
             default_note: Some("one per core"),
             ..EMITTER
         },

@@ -24,7 +24,8 @@ pub(crate) struct RenderArgs {
     /// Scene file: .gltf, .glb, .obj or .ply
     pub(crate) scene: PathBuf,
 
-    /// Picture to write: .png (exposed, tone mapped, sRGB, dithered) or .exr (linear cd/m²); may be given several times
+    /// Picture to write: .png (exposed, tone mapped, sRGB, dithered) or .exr (linear cd/m²); may be given several times.
+    /// No output may be a file that is read
     #[arg(short, long = "output", value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     /// Exposure of PNG files: 2^EV times the luminance in cd/m², then the tone map; auto: by the light about the camera; unlit surfaces keep their colour
@@ -40,7 +41,7 @@ pub(crate) struct RenderArgs {
     /// Write seconds, rays, mesh points and memory as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) stats: Option<PathBuf>,
-    /// Write what the light mesh knows after the render to this file, for --mesh
+    /// Write what the light mesh knows after the render to this file, for --mesh; it may not be the one that --mesh reads
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) save_mesh: Option<PathBuf>,
     /// Exit with 3 where --error is not kept; the picture is written all the same

@@ -20,7 +20,7 @@ pub(crate) struct ReproduceArgs {
     /// Experiments to run, separated by commas [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub(crate) only: Vec<String>,
-    /// Threads [default: all cores]
+    /// Threads; at most 4 for each core, or 64 where that is more [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) threads: Option<u32>,
     /// Say nothing but errors

@@ -10,9 +10,11 @@ mod help;
 mod interrupt;
 mod mesh_file;
 mod options;
+mod output_files;
 mod place;
 #[cfg(unix)]
 mod preview;
 mod render;
 mod reproduce;
+mod threads;
 mod time_limit;

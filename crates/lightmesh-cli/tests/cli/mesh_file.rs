@@ -17,7 +17,7 @@ fn a_mesh_goes_on_where_it_was_and_the_picture_is_the_same() {
     for method in ["mesh", "paper", "hybrid"] {
         let line = format!("render scene.gltf --size 40x24 --method {method} --gather-rays 16");
         let (cold, picture) = render(&place, &format!("{line} --save-mesh a.safetensors"));
-        let (warm, again) = render(&place, &format!("{line} --mesh a.safetensors --save-mesh a.safetensors"));
+        let (warm, again) = render(&place, &format!("{line} --mesh a.safetensors --save-mesh b.safetensors"));
         assert!(cold > 0 && warm == 0, "{method}: {cold} {warm}");
         assert!(picture == again, "{method}");
         // Fewer bounces are in it too; other cameras and samples only read.
@@ -25,7 +25,7 @@ fn a_mesh_goes_on_where_it_was_and_the_picture_is_the_same() {
         let (_, alone) = render(&place, &fewer);
         let (warm, again) = render(&place, &format!("{fewer} --mesh a.safetensors"));
         assert!(warm == 0 && again == alone, "{method}");
-        assert_eq!(place.files(), ["a.json", "a.png", "a.safetensors", "scene.gltf"]);
+        assert_eq!(place.files(), ["a.json", "a.png", "a.safetensors", "b.safetensors", "scene.gltf"]);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The state of one reading: the file's name, the options, the budget, the warnings.
 
 use std::fmt::{self, Display};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
@@ -18,11 +18,13 @@ pub(super) struct Context<'a> {
     pub(super) options: &'a LoadOptions,
     pub(super) budget: Budget,
     pub(super) warnings: Warnings,
+    /// The files that the scene names.
+    pub(super) files: Vec<PathBuf>,
 }
 
 impl<'a> Context<'a> {
     pub(super) fn new(file: &'a str, folder: Option<&'a Path>, options: &'a LoadOptions, budget: Budget) -> Self {
-        Self { file, folder, options, budget, warnings: Warnings::default() }
+        Self { file, folder, options, budget, warnings: Warnings::default(), files: Vec::new() }
     }
 
     /// An [`Error::Invalid`] at `place`.

@@ -68,6 +68,8 @@ pub(crate) fn read(
     context.spend("JSON", json::parsed_bytes(container.json), 1)?;
     let document = json::parse(file, container.json)?;
     extensions::check(&mut context, &document)?;
+    let uris = document.buffers.iter().map(|buffer| &buffer.uri).chain(document.images.iter().map(|image| &image.uri));
+    uris.flatten().for_each(|uri| uri::note_file(&mut context, uri));
 
     // Nodes: which meshes, lights and cameras the chosen scene has, and where.
     let visit = node::visit(&mut context, &document)?;
@@ -115,7 +117,7 @@ pub(crate) fn read(
     if !document.animations.is_empty() {
         context.warnings.add("animations", "animations are not read: nodes stay where the file puts them");
     }
-    Ok(Loaded { data, warnings: context.warnings.into_sentences() })
+    Ok(Loaded { data, warnings: context.warnings.into_sentences(), files: context.files })
 }
 
 /// Numbers keys in the order in which they are first used.

@@ -24,6 +24,17 @@ pub(super) fn fetch(context: &mut Context<'_>, place: Place<'_>, uri: &str) -> R
     }
 }
 
+/// Notes that the document names a file, whether the scene uses it or not.
+pub(super) fn note_file(context: &mut Context<'_>, uri: &str) {
+    let is_data = uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"));
+    if !is_data
+        && !has_scheme(uri)
+        && let Ok(relative) = String::from_utf8(percent_decode(uri))
+    {
+        context.files.extend(beside::path_of(context.folder, &relative, context.options.allow_outside));
+    }
+}
+
 /// A URI that is not followed.
 fn refuse(context: &Context<'_>, place: Place<'_>, uri: &str, what: &str) -> Error {
     Error::Uri { file: one_line(context.file), place: one_line(place), uri: shortened(uri), what: what.to_owned() }

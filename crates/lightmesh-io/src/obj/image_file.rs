@@ -7,6 +7,11 @@ use crate::beside::{self, OUTSIDE, Refusal};
 use crate::error::{Error, one_line};
 use crate::texture_image;
 
+/// Notes that the scene names a file.
+pub(super) fn note_file(context: &mut Context<'_>, name: &str) {
+    context.files.extend(beside::path_of(context.folder, name, context.options.allow_outside));
+}
+
 /// The bytes of a file named in the scene; `None`, and a warning, where it cannot be read or must not be.
 pub(super) fn read_beside(context: &mut Context<'_>, name: &str) -> Result<Option<Vec<u8>>, Error> {
     let cannot = |cause| format!("cannot be read: {cause}; it is left out");

@@ -17,7 +17,7 @@ use glam::{Mat2, Vec2, Vec3};
 use lightmesh::{AlphaMode, Filter, ImageData, Material, SceneData, Texels, Texture, TextureRef, UvTransform, Wrap};
 
 use super::Context;
-use super::image_file::{read_beside, read_image};
+use super::image_file::{note_file, read_beside, read_image};
 use super::mtl::{self, Map, Mtl};
 use crate::error::{Error, one_line};
 
@@ -48,12 +48,16 @@ impl Materials {
                 if !seen.insert(name) {
                     continue;
                 }
+                note_file(context, name);
                 let Some(bytes) = read_beside(context, name)? else { continue };
                 // A material is many times the text that it takes.
                 context.budget.take(context.file, name, bytes.len() as u64, 64)?;
                 let warnings = &mut context.warnings;
                 let materials = mtl::parse(&bytes, |line, what| warnings.add(format_args!("{name} line {line}"), what));
                 for material in materials {
+                    let maps =
+                        [&material.diffuse_map, &material.alpha_map, &material.emission_map, &material.normal_map];
+                    maps.into_iter().flatten().for_each(|map| note_file(context, &map.path));
                     described.entry(material.name.clone()).or_insert(material);
                 }
             }

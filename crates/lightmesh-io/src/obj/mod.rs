@@ -12,7 +12,7 @@ mod parse;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::budget::Budget;
 use crate::error::{Error, one_line};
@@ -26,6 +26,8 @@ pub(crate) struct Context<'a> {
     options: &'a LoadOptions,
     budget: Budget,
     warnings: Warnings,
+    /// The files that the scene names.
+    files: Vec<PathBuf>,
 }
 
 impl Context<'_> {
@@ -57,8 +59,8 @@ pub(crate) fn read(
     options: &LoadOptions,
     budget: Budget,
 ) -> Result<Loaded, Error> {
-    let mut context = Context { file, folder, options, budget, warnings: Warnings::default() };
+    let mut context = Context { file, folder, options, budget, warnings: Warnings::default(), files: Vec::new() };
     let obj = parse::parse(&mut context, bytes)?;
     let data = build::build(&mut context, &obj)?;
-    Ok(Loaded { data, warnings: context.warnings.into_sentences() })
+    Ok(Loaded { data, warnings: context.warnings.into_sentences(), files: context.files })
 }

@@ -11,6 +11,7 @@ use glam::{DMat4, DVec3};
 use lightmesh::{Camera, Image, Layer, Projection};
 
 use super::{Metadata, exr_channels::Channels};
+use crate::exr_file::may_make_threads;
 
 /// Bits of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,9 +51,9 @@ pub fn write_exr(
         blue: Vec2(0.15, 0.06),
         white: Vec2(0.3127, 0.329),
     });
-    // The encoder makes threads of its own, one per core: leave them out where one thread was asked for.
+    // The encoder makes threads of its own: leave them out where one thread was asked for.
     let writer = file.write();
-    let writer = if rayon::current_num_threads() == 1 { writer.non_parallel() } else { writer };
+    let writer = if may_make_threads() { writer } else { writer.non_parallel() };
     writer.to_buffered(out).map_err(|error| match error {
         exr::error::Error::Io(error) => error,
         other => io::Error::other(other.to_string()),

@@ -15,19 +15,21 @@ mod dither;
 mod exposure;
 mod exr;
 mod exr_channels;
+mod file;
 mod format;
 mod metadata;
 mod png;
-mod staged;
 mod tone_map;
 
+#[cfg(test)]
+pub(crate) use self::file::{Step, during};
 pub use self::{
     exposure::{auto_exposure, exposure_of},
     exr::{Precision, write_exr},
+    file::{Batch, StagedFile, claim, is_same_file},
     format::Format,
     metadata::Metadata,
     png::write_png,
-    staged::StagedFile,
     tone_map::{expose, tone_map},
 };
 pub use crate::srgb::{linear_from_srgb, srgb_from_linear};

@@ -87,6 +87,7 @@ pub(crate) fn read(
             ..SceneData::default()
         },
         warnings: warnings.into_sentences(),
+        files: Vec::new(),
     })
 }
 

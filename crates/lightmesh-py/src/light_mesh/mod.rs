@@ -16,7 +16,7 @@ use crate::keywords::Keywords;
 use crate::scene::{LitScene, PyScene};
 use crate::shared_mesh::{self, SharedMesh};
 use crate::work::locked;
-use crate::{arrays as numbers, error, meters};
+use crate::{arrays as numbers, error, meters, pool};
 
 /// Light at points in space, computed where pictures or meters first ask for it and kept from one to the next.
 ///
@@ -30,7 +30,8 @@ use crate::{arrays as numbers, error, meters};
 /// >>> lux = mesh.irradiance([[0, 0.85, 0]], [0, 1, 0])
 ///
 /// Every method ends soon after Ctrl-C, and then the mesh keeps what it has learned. One thread at a time works with a
-/// mesh: another one gets an Error.
+/// mesh: another one does not wait but gets an Error, and so does a process that is forked meanwhile. Give each thread a
+/// mesh of its own, or a lock around the one that they share.
 #[pyclass(name = "LightMesh", module = "lightmesh", frozen)]
 pub(crate) struct PyLightMesh {
     pub(crate) scene: Py<PyScene>,
@@ -103,7 +104,7 @@ impl PyLightMesh {
 
     /// Reads the mesh as it is.
     pub(crate) fn with_mesh<T: Send>(&self, py: Python<'_>, read: impl FnOnce(&LightMesh) -> T + Send) -> PyResult<T> {
-        let result = py.detach(|| self.mesh.lock().map(|mesh| read(&mesh)));
+        let result = pool::detached(py, || self.mesh.lock().map(|mesh| read(&mesh)))?;
         result.ok_or_else(|| shared_mesh::in_use(py))
     }
 

@@ -14,7 +14,7 @@ use crate::light_mesh::{Part, PyLightMesh, PyMeshArrays, Target};
 use crate::listener::Listener;
 use crate::scene::{LitScene, PyScene, scene_camera};
 use crate::work::{self, AtInterrupt};
-use crate::{arrays, json, keywords, mesh_files};
+use crate::{arrays, json, keywords, mesh_files, output};
 
 #[pymethods]
 impl PyLightMesh {
@@ -63,14 +63,16 @@ impl PyLightMesh {
     }
 
     /// Writes all that the mesh knows, and its settings: safetensors, which other programs read too. The file appears
-    /// whole or not at all.
+    /// whole or not at all; it may be the one that the mesh was loaded from, but none of the scene's (OptionError).
     ///
     /// progress: as for Scene.render, in bytes.
     #[pyo3(signature = (path, *, progress=None))]
     fn save(&self, py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let lit = self.own_scene(py)?;
         let listener = Listener::new(py, progress)?;
-        let units = self.scene.get().origin.units;
+        let origin = &self.scene.get().origin;
+        output::spare(py, &path, &origin.files)?;
+        let units = origin.units;
         listener.close(mesh_files::save(py, path, lit, self.mesh.clone(), units, listener.callback()))
     }
 

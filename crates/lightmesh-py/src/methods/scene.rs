@@ -224,6 +224,13 @@ impl PyScene {
         Ok(())
     }
 
+    /// The file that the scene was read from and every file that it names, as absolute paths; empty for a scene made of
+    /// arrays. Image.save and LightMesh.save do not replace them.
+    #[getter]
+    fn files(&self) -> Vec<PathBuf> {
+        self.origin.files.to_vec()
+    }
+
     /// The number of triangles; those of a mesh count once for each of its instances.
     #[getter]
     fn triangle_count(&self) -> u64 {
@@ -289,7 +296,8 @@ impl PyScene {
     /// weight, field_falloff, paper_scale: variants of the paper.
     /// aov: names of layers, as a list or with commas: albedo, normal, depth, direct, indirect, mesh_level, mesh_valid,
     /// points.
-    /// threads: None: one for each core; the picture is the same. max_memory: bytes or "4GiB"; more is a
+    /// threads: None: one for each core, or as many as RAYON_NUM_THREADS says; more than 4 for each core, or 64, are cut
+    /// down with a RuntimeWarning. The picture is the same. max_memory: bytes or "4GiB"; more is a
     /// MemoryLimitError.
     /// mesh: a LightMesh of this scene that keeps the light between pictures; options that are not given are the
     /// mesh's.

@@ -55,15 +55,17 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, options: LoadOptions) -> PyRes
         let started = Instant::now();
         let loaded = lightmesh_io::load(&path, &options).map_err(BuildError::File)?;
         let load_time = started.elapsed();
-        Ok((Built::new(loaded.data, &emitters, options.max_memory, None)?, loaded.warnings, load_time))
+        let built = Built::new(loaded.data, &emitters, options.max_memory, None)?;
+        let files = loaded.files.into_iter().map(|file| std::path::absolute(&file).unwrap_or(file)).collect();
+        Ok((built, loaded.warnings, load_time, files))
     })?;
 
     // Errors of the scene itself do not know its file.
-    let (built, warnings, load_time) = loaded.map_err(|error| match error {
+    let (built, warnings, load_time, files) = loaded.map_err(|error| match error {
         BuildError::Scene(error @ (lightmesh::Error::InvalidScene { .. } | lightmesh::Error::EmptyScene)) => {
             error::scene(py, format!("{name}: {error}"))
         }
         other => other.raise(py),
     })?;
-    Ok(PyScene::ready(Origin { name, units, load_time, warnings }, Arc::new(built)))
+    Ok(PyScene::ready(Origin { name, units, load_time, warnings, files }, Arc::new(built)))
 }

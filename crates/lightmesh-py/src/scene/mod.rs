@@ -5,7 +5,8 @@ pub(crate) mod bytes;
 mod load;
 mod state;
 
-use std::sync::Mutex;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use lightmesh_io::Units;
@@ -24,6 +25,8 @@ pub(crate) use self::state::LitScene;
 /// Metres; candela for point and spot lights, lux for directional ones, cd/m² for surfaces and environments, per
 /// channel of linear RGB.
 /// A scene is checked and made ready for rays when that is first needed; what is wrong with it is a SceneError then.
+/// Any number of threads may use a scene at once, and of processes that are forked (multiprocessing): pictures are the
+/// same. A change counts for what begins after it.
 #[pyclass(name = "Scene", module = "lightmesh", frozen)]
 pub(crate) struct PyScene {
     pub(crate) origin: Origin,
@@ -39,4 +42,6 @@ pub(crate) struct Origin {
     pub(crate) load_time: Duration,
     /// What the reader left out or mended, one sentence each.
     pub(crate) warnings: Vec<String>,
+    /// The file and every file that it names, as absolute paths.
+    pub(crate) files: Arc<[PathBuf]>,
 }

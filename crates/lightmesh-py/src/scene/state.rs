@@ -10,6 +10,7 @@ use super::{Origin, PyScene};
 use crate::built::{Built, State};
 use crate::error::{self, Raise};
 use crate::keywords::Keywords;
+use crate::pool;
 use crate::work::{self, AtInterrupt, locked};
 
 pub(super) struct Inner {
@@ -95,10 +96,13 @@ impl PyScene {
             let inner = locked(&self.inner);
             (inner.state.clone(), inner.revision)
         };
-        let state = match state {
-            State::Built(built) if built.emitters == emitters && built.is_lit_for(camera) => return Ok(built),
-            other => other,
-        };
+        // What a camera sees is found out by rays.
+        if let State::Built(built) = &state
+            && built.emitters == emitters
+            && pool::detached(py, || built.is_lit_for(camera))?
+        {
+            return Ok(Arc::clone(built));
+        }
 
         // Build it without holding the lock.
         let max_memory = keywords.mesh_options().limits.max_memory;
