@@ -148,7 +148,7 @@ class Scene:
         *,
         units: Literal["gltf", "blender"] = "gltf",
         allow_outside: bool = False,
-        max_memory: int | str = "4GiB",
+        max_memory: int | str | None = None,
         scene: str | int | None = None,
     ) -> Scene: ...
     def to_bytes(self) -> bytes: ...
@@ -232,7 +232,7 @@ class Scene:
         paper_scale: _PaperScale = "visibility",
         aov: str | Sequence[str] | None = None,
         threads: int | None = None,
-        max_memory: int | str = "4GiB",
+        max_memory: int | str | None = None,
         mesh: LightMesh | None = None,
         progress: _Progress | None = None,
     ) -> Image: ...
@@ -262,7 +262,7 @@ class Scene:
         field_falloff: str = "r2",
         paper_scale: _PaperScale = "visibility",
         threads: int | None = None,
-        max_memory: int | str = "4GiB",
+        max_memory: int | str | None = None,
         mesh: LightMesh | None = None,
         progress: _Progress | None = None,
     ) -> _Floats: ...
@@ -302,7 +302,7 @@ class LightMesh:
         paper_scale: _PaperScale = "visibility",
         aov: str | Sequence[str] | None = None,
         threads: int | None = None,
-        max_memory: int | str = "4GiB",
+        max_memory: int | str | None = None,
     ) -> LightMesh: ...
     @staticmethod
     def load(
@@ -337,7 +337,7 @@ class LightMesh:
         paper_scale: _PaperScale | None = None,
         aov: str | Sequence[str] | None = None,
         threads: int | None = None,
-        max_memory: int | str = "4GiB",
+        max_memory: int | str | None = None,
     ) -> LightMesh: ...
     def save(self, path: _Path, *, progress: _Progress | None = None) -> None: ...
     def fill(

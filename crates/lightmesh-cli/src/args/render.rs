@@ -110,7 +110,7 @@ impl RenderArgs {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
-    use lightmesh::{Method, Spacing};
+    use lightmesh::{Limits, Method, Spacing};
 
     use super::{
         super::{Cli, Command},
@@ -129,10 +129,11 @@ mod tests {
         parse(args).unwrap().options().unwrap()
     }
 
-    /// Nothing said: the library's defaults, all of them.
+    /// Nothing said: the library's defaults, all of them but the memory, which depends on the machine.
     #[test]
     fn defaults_are_the_librarys() {
-        assert_eq!(options(&[]), RenderOptions::default());
+        let limits = Limits { max_memory: crate::machine::default_limit() };
+        assert_eq!(options(&[]), RenderOptions { limits, ..RenderOptions::default() });
         assert_eq!(parse(&[]).unwrap().surroundings(), Surroundings::default());
     }
 

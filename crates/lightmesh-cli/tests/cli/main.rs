@@ -6,6 +6,7 @@ mod docs;
 mod environment;
 mod exposure;
 mod help;
+mod hostile;
 #[cfg(unix)]
 mod interrupt;
 mod mesh_file;

@@ -33,14 +33,15 @@ impl PyScene {
     /// units: what the numbers of punctual lights mean: "gltf" (candela, lux) or "blender" (its exporter's, 683 times
     /// as much).
     /// allow_outside: let the file's URIs leave its folder.
-    /// max_memory: the most that reading may take, bytes or with a unit as in "4GiB"; more is a MemoryLimitError.
+    /// max_memory: the most that reading and building may take, bytes or with a unit as in "4GiB"; None: half of the
+    /// machine's memory. More is a MemoryLimitError.
     /// scene: which scene of the file, by name or index; None: the file's own choice.
     ///
     /// The property warnings tells what was left out or mended.
     #[staticmethod]
     #[pyo3(
         signature = (path, *, units="gltf", allow_outside=false, max_memory=None, scene=None),
-        text_signature = "(path, *, units='gltf', allow_outside=False, max_memory='4GiB', scene=None)"
+        text_signature = "(path, *, units='gltf', allow_outside=False, max_memory=None, scene=None)"
     )]
     fn load(
         py: Python<'_>,
@@ -308,7 +309,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory='4GiB', mesh=None, progress=None)"
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
@@ -337,7 +338,7 @@ impl PyScene {
     /// The other options are those of render, but for those of pictures; progress counts meters, with "path" samples.
     #[pyo3(
         signature = (positions, normals, *, mesh=None, progress=None, **options),
-        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory='4GiB', mesh=None, progress=None)"
+        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory=None, mesh=None, progress=None)"
     )]
     fn irradiance<'py>(
         slf: &Bound<'py, Self>,
