@@ -18,7 +18,8 @@ SOURCE = ROOT / "tools" / "site"
 BOOK = ROOT / "target" / "book"
 SITE = ROOT / "target" / "site"
 #: What pages of the book may link to beside each other.
-BESIDE = ["docs", "LICENSE-MIT", "LICENSE-APACHE", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenes/README.md"]
+BESIDE = ["docs", "LICENSE-MIT", "LICENSE-APACHE", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md",
+          "scenes/README.md", "fuzz/README.md"]
 
 
 class Page(HTMLParser):

@@ -32,11 +32,17 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     budget.take(&file.name, "the picture", announced.largest_layer, size_of::<Vec3>() as u64)?;
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
 
-    // Take the first layer that has colour, else the first that has luminance.
-    let reading =
-        exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
-    let reading = if may_make_threads() { reading } else { reading.non_parallel() };
-    let image = reading.from_buffered(reader).map_err(unreadable)?;
+    // Take the first layer that has colour, else the first that has luminance. The library's own threads would be beside
+    // those that the user allows, and a panic of one of them ends the process.
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(reader)
+        .map_err(unreadable)?;
     let layer_with = |names: [&str; 3]| {
         image.layer_data.iter().find_map(|layer| {
             let [r, g, b] = names.map(|name| full_channel(&layer.channel_data, name));

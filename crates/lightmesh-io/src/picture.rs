@@ -54,6 +54,10 @@ fn read_png(file: &PictureFile, reader: BufReader<File>) -> Result<Image, Error>
     let mut decoder = png::Decoder::new(reader);
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(unreadable)?;
+    // The decoder would read past its end.
+    if reader.info().palette.as_ref().is_some_and(|palette| !palette.len().is_multiple_of(3)) {
+        return Err(file.invalid("its palette ends within a colour"));
+    }
     let (width, height) = reader.info().size();
     file.check_size(width.into(), height.into())?;
     let size =

@@ -200,6 +200,32 @@ fn foreign_and_hostile_files_are_refused() {
     assert_eq!(text, "x: direct.lattice_spacing: is U8 [8], not F32 [any]");
 }
 
+/// Files whose checksums are right and whose numbers are not finite, in each array of floats.
+#[test]
+fn numbers_that_are_not_finite_are_refused() {
+    let file = filled(&scene(3), &options(Method::MESH, 2));
+    let refusal = |change: &dyn Fn(&mut Snapshot)| {
+        let mut file = file.clone();
+        change(&mut file.contents);
+        mesh_from_bytes("x", &mesh_to_bytes(&file), MEMORY).expect_err("not finite").to_string()
+    };
+    let message = refusal(&|contents| match &mut contents.direct.values {
+        DirectValues::SixAxis(values) => values[3 + 2 * 3 * 2] = f32::NAN,
+        _ => panic!("another encoding"),
+    });
+    assert_eq!(message, "x: direct.six_axis: number [0, 2, 1, 0] is NaN, not finite");
+    let message = refusal(&|contents| {
+        let indirect = contents.indirect.as_mut().expect("bounces");
+        *indirect.values.last_mut().expect("values") = f32::INFINITY;
+    });
+    let points = file.contents.indirect.as_ref().expect("bounces").points.addresses.len();
+    assert_eq!(message, format!("x: indirect.values: number [2, {}, 5, 2] is inf, not finite", points - 1));
+    let message = refusal(&|contents| contents.indirect.as_mut().expect("bounces").hit_irradiance = f64::NAN);
+    assert_eq!(message, "x: indirect.hit_irradiance: number [0] is NaN, not finite");
+    let message = refusal(&|contents| contents.direct.points.lattices[0].origin[1] = f32::NEG_INFINITY);
+    assert_eq!(message, "x: direct.lattice_origin: number [0, 1] is -inf, not finite");
+}
+
 #[test]
 fn memory_is_paid_for_before_it_is_taken() {
     let bytes = mesh_to_bytes(&filled(&scene(3), &options(Method::MESH, 2)));

@@ -293,8 +293,13 @@ fn decode_one(source: &Source<'_>, limit: u64) -> ImageResult<Decoded> {
     let linear = |value: u16| f32::from(value) / 65535.0;
     let as_numbers = || texels.iter().map(|texel| texel.map(linear)).collect();
     let as_colors = || {
-        let table: Vec<f32> = (0..=u16::MAX).map(|value| linear_from_srgb(linear(value))).collect();
-        let curve = |value: u16| table[usize::from(value)];
+        // A table of the curve pays where it has fewer entries than the image has values.
+        let table: Option<Vec<f32>> = (3 * texels.len() > usize::from(u16::MAX))
+            .then(|| (0..=u16::MAX).map(|value| linear_from_srgb(linear(value))).collect());
+        let curve = |value: u16| match &table {
+            Some(table) => table[usize::from(value)],
+            None => linear_from_srgb(linear(value)),
+        };
         texels.iter().map(|&[r, g, b, a]| [curve(r), curve(g), curve(b), linear(a)]).collect()
     };
     Ok(Decoded {

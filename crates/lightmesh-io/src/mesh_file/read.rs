@@ -23,7 +23,8 @@ const LONGEST_HEADER: u64 = 1 << 20;
 /// Reads a mesh file into at most `max_memory` bytes.
 ///
 /// # Errors
-/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged;
+/// [`Error::Read`]; [`Error::Syntax`] and [`Error::Invalid`] for a file that is not a mesh file, cut off or damaged, or
+/// has numbers that are not finite;
 /// [`Error::OutOfMemory`] before an allocation that would exceed the limit.
 pub fn read_mesh(path: &Path, max_memory: u64) -> Result<MeshFile, Error> {
     let name = one_line(path.display());
@@ -223,7 +224,8 @@ impl ArrayReader<'_> {
         Ok(vec![T::zeroed(); count])
     }
 
-    /// Reads an array into memory that is there, and compares its checksum.
+    /// Reads an array into memory that is there, compares its checksum, and refuses numbers that are not finite: no mesh
+    /// has any, and one of them spreads over a picture.
     fn fill<N: Number>(&mut self, name: &str, numbers: &mut [N]) -> Result<(), Error> {
         let unreadable = |cause| Error::Read { file: self.file.into(), cause };
         let offset = self.header.info(name).map_or(0, |info| info.data_offsets.0 as u64);
@@ -234,6 +236,29 @@ impl ArrayReader<'_> {
             return Err(self.invalid(name, "is damaged: its checksum is another"));
         }
         to_little_endian(numbers);
-        Ok(())
+        match numbers.iter().position(|number| !number.is_finite()) {
+            Some(i) => {
+                Err(self
+                    .invalid(name, format_args!("number {:?} is {:?}, not finite", self.place(name, i), numbers[i])))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the indices of an array's number along its axes.
+    fn place(&self, name: &str, number: usize) -> Vec<usize> {
+        let shape = self.header.info(name).map_or(&[][..], |info| &info.shape);
+        let mut left = number;
+        let mut indices: Vec<usize> = shape
+            .iter()
+            .rev()
+            .map(|&length| {
+                let index = left % length.max(1);
+                left /= length.max(1);
+                index
+            })
+            .collect();
+        indices.reverse();
+        indices
     }
 }

@@ -6,33 +6,40 @@ use bytemuck::Pod;
 use safetensors::Dtype;
 
 /// A number of an array.
-pub(super) trait Number: Pod {
+pub(super) trait Number: Pod + std::fmt::Debug {
     /// The name of the type in the header.
     const DTYPE: Dtype;
 
     /// Returns the number with its bytes in reverse order.
     fn swapped(self) -> Self;
+
+    /// Returns whether it is a number at all, and not infinite.
+    fn is_finite(self) -> bool;
 }
 
 macro_rules! number {
-    ($($number:ty, $dtype:ident, $bits:ty;)*) => {$(
+    ($($number:ident, $dtype:ident, $bits:ty, $is_finite:expr;)*) => {$(
         impl Number for $number {
             const DTYPE: Dtype = Dtype::$dtype;
 
             fn swapped(self) -> Self {
                 bytemuck::cast(bytemuck::cast::<_, $bits>(self).swap_bytes())
             }
+
+            fn is_finite(self) -> bool {
+                $is_finite(self)
+            }
         }
     )*};
 }
 
 number! {
-    u8, U8, u8;
-    i32, I32, u32;
-    u32, U32, u32;
-    u64, U64, u64;
-    f32, F32, u32;
-    f64, F64, u64;
+    u8, U8, u8, |_| true;
+    i32, I32, u32, |_| true;
+    u32, U32, u32, |_| true;
+    u64, U64, u64, |_| true;
+    f32, F32, u32, f32::is_finite;
+    f64, F64, u64, f64::is_finite;
 }
 
 /// An array that is to be written.

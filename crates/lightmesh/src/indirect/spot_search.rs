@@ -134,7 +134,8 @@ fn spots_of(scene: &Scene, light: &SampledLight, even: &[Vec3]) -> Vec<BrightSpo
     let mut spots = Vec::new();
     let mut others = Vec::new();
     while let Some(&first) = rest.first() {
-        let same = |p: &Probed| p.n.dot(first.n) > 0.999 && p.height < 1.05 * first.height;
+        // The first itself always is: 1.05 times the smallest number is that number.
+        let same = |p: &Probed| p.n.dot(first.n) > 0.999 && p.height <= 1.05 * first.height;
         let (plane, remaining): (Vec<_>, Vec<_>) = rest.into_iter().partition(same);
         rest = remaining;
         if (plane.len() as f32) < LEAST_PART * count {
@@ -209,4 +210,40 @@ fn spot_of_emitter(scene: &Scene, emitter: usize, even: &[Vec3]) -> Option<Brigh
     let flux = flux * albedos / count as f32;
     let contrast = contrast(&shape, lengths.into_iter());
     (flux > 0.0).then_some(BrightSpot { shape, flux, contrast, mirror: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+    use std::thread;
+    use std::time::Duration;
+
+    use glam::Affine3A;
+
+    use super::*;
+    use crate::geometry::TriangleMesh;
+    use crate::{Instance, Light, Material, SceneData};
+
+    /// A lamp as near to a triangle as numbers can be.
+    #[test]
+    fn a_lamp_next_to_a_plane_ends_the_search() {
+        let tiny = f32::from_bits(2);
+        let triangle = TriangleMesh {
+            positions: vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, tiny)],
+            triangles: vec![[0, 1, 2]],
+            ..TriangleMesh::default()
+        };
+        let lamp = |y| Light::Point { position: Vec3::new(0.5, y, 0.0), intensity_cd: Vec3::ONE, range: None };
+        let scene = Scene::new(SceneData {
+            meshes: vec![triangle],
+            instances: vec![Instance { mesh: 0, world_from_object: Affine3A::IDENTITY }],
+            materials: vec![Material::lambert(Vec3::splat(0.5))],
+            lights: [-0.9, -0.5, 0.0, 0.25].map(lamp).into(),
+            ..SceneData::default()
+        });
+        let scene = scene.expect("a sound scene");
+        let (done, waits) = mpsc::channel();
+        thread::spawn(move || done.send(BrightSpots::find(&scene, &scene.bounds()).spots.len()));
+        assert!(waits.recv_timeout(Duration::from_secs(30)).is_ok(), "the search goes on for ever");
+    }
 }

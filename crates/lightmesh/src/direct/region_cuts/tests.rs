@@ -110,8 +110,8 @@ fn surfaces(count: u32) -> Vec<(Vec3, Vec3)> {
 }
 
 fn regions(scene: &Scene, light_error: f32) -> RegionCuts {
-    RegionCuts::new(scene, None, &RenderOptions::default().with(|o| o.transport.light_error = light_error))
-        .expect("memory")
+    let options = RenderOptions::default().with(|o| o.transport.light_error = light_error);
+    RegionCuts::new(scene, None, &options, options.limits.max_memory).expect("memory")
 }
 
 fn one_by_one(scene: &Scene, points: &[(Vec3, Vec3)]) -> Vec<Vec3> {
@@ -151,8 +151,7 @@ fn sums_do_not_depend_on_earlier_calls() {
 #[test]
 fn a_tree_too_large_is_refused_before_it_is_built() {
     let scene = scene(point_lights(3000), 1);
-    let options = RenderOptions::default().with(|o| o.limits.max_memory = 1 << 20);
-    let error = RegionCuts::new(&scene, None, &options).expect_err("3000 lights in 1 MiB");
+    let error = RegionCuts::new(&scene, None, &RenderOptions::default(), 1 << 20).expect_err("3000 lights in 1 MiB");
     assert!(matches!(error, Error::OutOfMemory { .. }), "{error}");
 }
 

@@ -1,0 +1,5 @@
+#![no_main]
+
+include!("program.rs");
+
+program!(Ply);
