@@ -2,7 +2,10 @@
 
 use std::fs::File;
 use std::io::{BufReader, Seek};
+use std::panic::AssertUnwindSafe;
 
+use exr::meta::BlockDescription;
+use exr::meta::attribute::TileDescription;
 use exr::prelude::{AnyChannels, FlatSamples, MetaData, ReadChannels, ReadLayers};
 use glam::Vec3;
 use lightmesh::Image;
@@ -30,18 +33,24 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     let announced = check(file, &meta)?;
     budget.take(&file.name, "the picture's samples", announced.sample_bytes, 1)?;
     budget.take(&file.name, "the picture", announced.largest_layer, size_of::<Vec3>() as u64)?;
+    budget.take(&file.name, "a tile", announced.tile_bytes, 1)?;
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
 
     // Take the first layer that has colour, else the first that has luminance. The library's own threads would be beside
     // those that the user allows, and a panic of one of them ends the process.
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(reader)
+    let decode = || {
+        exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(reader)
+    };
+    // The library's slices take chunks at their word, and one may name a place outside the picture.
+    let image = std::panic::catch_unwind(AssertUnwindSafe(decode))
+        .map_err(|_| file.invalid("not a readable EXR: its chunks contradict its header"))?
         .map_err(unreadable)?;
     let layer_with = |names: [&str; 3]| {
         image.layer_data.iter().find_map(|layer| {
@@ -75,11 +84,13 @@ struct Announced {
     sample_bytes: u64,
     /// Pixels of the largest layer.
     largest_layer: u64,
+    /// Bytes of the largest tile, which may be larger than the picture.
+    tile_bytes: u64,
 }
 
 /// Refuses headers that announce more than is read, or than the file can hold.
 fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
-    let mut announced = Announced { sample_bytes: 0, largest_layer: 0 };
+    let mut announced = Announced { sample_bytes: 0, largest_layer: 0, tile_bytes: 0 };
     let (mut channels, mut chunks) = (0_usize, 0_u64);
     for header in &meta.headers {
         let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
@@ -90,6 +101,10 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
         let bytes = (width * height).saturating_mul(bytes_per_pixel as u64);
         announced.sample_bytes = announced.sample_bytes.saturating_add(bytes);
         announced.largest_layer = announced.largest_layer.max(width * height);
+        if let BlockDescription::Tiles(TileDescription { tile_size, .. }) = header.blocks {
+            let pixels = (tile_size.x() as u64).saturating_mul(tile_size.y() as u64);
+            announced.tile_bytes = announced.tile_bytes.max(pixels.saturating_mul(bytes_per_pixel as u64));
+        }
     }
     if channels > MAX_CHANNELS {
         return Err(file.invalid(format_args!("has {channels} channels; at most {MAX_CHANNELS} are read")));

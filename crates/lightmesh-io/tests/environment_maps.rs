@@ -175,3 +175,18 @@ fn a_radiance_picture_is_no_texture() {
     let loaded = gltf.load_with(&LoadOptions::default()).unwrap();
     crate::common::assert_warns(&loaded, &["cannot be decoded", "PNG, JPEG and WebP"]);
 }
+
+/// A tile may be larger than its picture: what decoding it takes is counted.
+#[test]
+fn large_tiles_of_small_pictures_are_counted() {
+    let grey = FlatSamples::F32(vec![0.5; 128]);
+    let channels = ["B", "G", "R"].map(|name| AnyChannel::new(name, grey.clone()));
+    let blocks = exr::prelude::Blocks::Tiles(exr::prelude::Vec2(8, 1 << 20));
+    let encoding = Encoding { blocks, ..Encoding::FAST_LOSSLESS };
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new((16, 8), LayerAttributes::named("tiles"), encoding, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    exr::prelude::Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+    let message = read_within(1 << 20, "tiles.exr", bytes.get_ref()).unwrap_err().to_string();
+    assert_says(&message, &["tiles.exr", "a tile", "--max-memory"]);
+}
