@@ -1,5 +1,6 @@
 //! All tests of files in and out, as one program: it links once.
 
+mod budget_faults;
 mod common;
 mod environment_maps;
 mod gltf_environment;
