@@ -118,11 +118,10 @@ fn specular_color(context: &Context<'_>, at: Place<'_>, color: [f32; 3]) -> Resu
 /// KHR_materials_ior allows 1 and more, and 0 for "reflects everything", which an enormous index comes to.
 fn ior(context: &mut Context<'_>, at: Place<'_>, ior: f32) -> f32 {
     // F0 = ((n − 1)/(n + 1))² ≈ 1 − 4/n: within 4·10⁻⁶ of 1.
-    const REFLECTS_ALL: f32 = 1e6;
     if ior == 0.0 {
-        return REFLECTS_ALL;
+        return Material::MOST_IOR;
     }
-    let clamped = if ior.is_nan() { 1.5 } else { ior.clamp(1.0, REFLECTS_ALL) };
+    let clamped = if ior.is_nan() { 1.5 } else { ior.clamp(1.0, Material::MOST_IOR) };
     if clamped != ior {
         context.warnings.add(at, "its index of refraction is below 1 or absurd: clamped");
     }

@@ -58,6 +58,7 @@ impl Materials {
                     let maps =
                         [&material.diffuse_map, &material.alpha_map, &material.emission_map, &material.normal_map];
                     maps.into_iter().flatten().for_each(|map| note_file(context, &map.path));
+                    material.other_maps.iter().for_each(|path| note_file(context, path));
                     described.entry(material.name.clone()).or_insert(material);
                 }
             }
@@ -119,7 +120,7 @@ impl Materials {
             emission_texture,
             normal_texture: self.texture(context, mtl.normal_map.as_ref(), None, data)?,
             normal_scale: mtl.normal_map.as_ref().map_or(1.0, |map| map.strength),
-            ior: mtl.ior.unwrap_or(1.5).max(1.0),
+            ior: mtl.ior.unwrap_or(1.5).clamp(1.0, Material::MOST_IOR),
             ..Material::lambert(base_color)
         };
         // Make it a metal, a gloss or a glass by the number of the illumination model.

@@ -34,6 +34,8 @@ pub(super) struct Mtl {
     pub(super) emission_map: Option<Map>,
     pub(super) alpha_map: Option<Map>,
     pub(super) normal_map: Option<Map>,
+    /// The paths of maps that are not read.
+    pub(super) other_maps: Vec<String>,
 }
 
 /// Parses the text. A line that cannot be understood is told to `warn` with its number and passed over.
@@ -68,9 +70,15 @@ pub(super) fn parse(bytes: &[u8], mut warn: impl FnMut(usize, &str)) -> Vec<Mtl>
             "norm" | "map_kn" => set(&mut material.normal_map, map(rest)),
             "bump" | "map_bump" => {
                 warn(number + 1, "bump maps hold heights and are not read; a normal map is named by norm");
+                material.other_maps.extend(map(rest).map(|map| map.path));
                 true
             }
-            _ => true,
+            key => {
+                if key.starts_with("map_") || ["disp", "decal", "refl"].contains(&key) {
+                    material.other_maps.extend(map(rest).map(|map| map.path));
+                }
+                true
+            }
         };
         if !understood {
             warn(number + 1, "a line of a material library cannot be understood and is left out");
@@ -168,6 +176,14 @@ mod tests {
         assert!(parsed.clamp && parsed.strength == 0.25);
         assert_eq!(map("-s 2"), None);
         assert_eq!(map("-unknown 2 a.png"), None);
+    }
+
+    /// They are files of the scene all the same.
+    #[test]
+    fn maps_that_are_not_read_are_known() {
+        let text = b"newmtl a\nbump -bm 2 hills.png\nmap_Ks a b.png\nrefl -type sphere sky.png\nmap_Kd wood.png\n";
+        let materials = parse(text, |_, _| {});
+        assert_eq!(materials[0].other_maps, ["hills.png", "a b.png", "sky.png"]);
     }
 
     #[test]

@@ -15,8 +15,11 @@ use crate::direct::{DirectLighting, PlacedVertices};
 use crate::mesh::{AmbientCube, CornerVisibility, Costs, Marks, Points};
 use crate::{Error, RenderOptions, Scene};
 
-/// Points whose gather rays are alive at a time: work for many threads, in a bounded memory (some 200 B a ray).
+/// Points whose gather rays are alive at a time: work for many threads.
 pub(crate) const POINTS_AT_ONCE: usize = 512;
+
+/// Gather rays that are alive at a time, at most: a bounded memory, some 200 B a ray.
+const RAYS_AT_ONCE: usize = POINTS_AT_ONCE * 256;
 
 impl IndirectField {
     /// Probes the marked points, evaluates those that need values and all that they depend on, and clears the marks.
@@ -62,10 +65,11 @@ impl IndirectField {
         let mut pending = PendingLight::default();
 
         // Hits of new points read further points, which are gathered for in their turn.
+        let together = (RAYS_AT_ONCE / self.gather_rays as usize).clamp(1, POINTS_AT_ONCE);
         direct.stats.rays.secondary += self.probe(scene, marks, marked, first)?;
         let mut next = first;
         while next < self.points.len() {
-            let end = (next + POINTS_AT_ONCE).min(self.points.len());
+            let end = (next + together).min(self.points.len());
             gathers.resize_with(gathers.len().max(end - next), GatherRays::default);
             let batch = &mut gathers[..end - next];
             self.shoot_rays(scene, direct.options, next, &directions, batch);

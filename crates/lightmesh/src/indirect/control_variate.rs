@@ -32,8 +32,9 @@ use crate::sampling::{hash, seed_of_surface, unit_f32};
 /// others.
 const GO_ON: std::ops::RangeInclusive<f32> = 0.05..=0.95;
 
-/// Rays that are alive at a time, and rays that make a list. Empirical: a list for each surface took twice the time.
-const AT_ONCE: usize = 1 << 16;
+/// Rays that are alive at a time, some 300 B each, and rays that make a list. Empirical: a list for each surface took twice
+/// the time.
+const AT_ONCE: usize = 1 << 15;
 const RAYS: usize = 256;
 
 /// Where paths go on from the surfaces at which their rays end.

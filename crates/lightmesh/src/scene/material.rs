@@ -166,6 +166,9 @@ impl Material {
         ]
     }
 
+    /// The largest index of refraction; more reflects all, within 4·10⁻⁶.
+    pub const MOST_IOR: f32 = 1e6;
+
     /// Up to this roughness the specular lobe is rendered as a mirror; above it, it is left out and the surface is
     /// Lambert.
     pub const MIRROR_ROUGHNESS: f32 = 0.25;

@@ -69,8 +69,9 @@ pub(super) fn check_material(index: usize, m: &Material, textures: usize) -> Res
         let what = format!("the scale {} of its normal map is beyond {MOST_NORMAL_SCALE:e}", m.normal_scale);
         return invalid(object(), what);
     }
-    if !(m.ior >= 1.0 && m.ior.is_finite()) {
-        return invalid(object(), format!("index of refraction {} is below 1", m.ior));
+    if !(1.0..=Material::MOST_IOR).contains(&m.ior) {
+        let what = format!("index of refraction {} is not between 1 and {:e}", m.ior, Material::MOST_IOR);
+        return invalid(object(), what);
     }
     Ok(())
 }
