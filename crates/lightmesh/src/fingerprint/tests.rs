@@ -70,7 +70,7 @@ fn whatever_changes_light_changes_the_fingerprint_of_a_scene() {
         |d| d.meshes[0].uvs[0][2].y = 0.5,
         |d| d.meshes[0].normals = vec![Vec3::Z; 3],
         |d| d.instances[0].world_from_object.translation.y = 1e-3,
-        |d| d.instances.push(d.instances[0].clone()),
+        |d| d.instances.push(Instance { mesh: 0, world_from_object: Affine3A::from_translation(Vec3::X) }),
         |d| d.materials[0].emission = Vec3::X,
         |d| d.materials[0].double_sided = true,
         |d| d.materials[0].base_color_texture = None,
