@@ -83,3 +83,19 @@ fn read_png(file: &PictureFile, reader: BufReader<File>) -> Result<Image, Error>
         .collect();
     Ok(Image::new(width, height, pixels))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_palette_that_ends_within_a_colour_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        for length in [4, 5, 11] {
+            std::fs::write(&path, crate::texture_image::tests::with_palette(&vec![0; length])).expect("a file");
+            let message = read_picture(&path).expect_err("cut off").to_string();
+            assert!(message.ends_with("a.png: its palette ends within a colour"), "{message}");
+        }
+    }
+}

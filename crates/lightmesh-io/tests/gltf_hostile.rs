@@ -3,6 +3,9 @@
 //! A program of its own, because it counts every allocation. Its one test runs its properties one after the other, so
 //! that the count is theirs alone.
 
+#[allow(dead_code, reason = "the other program uses the rest")]
+mod common;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Cursor;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

@@ -1,12 +1,10 @@
 //! All tests of files in and out, as one program: it links once.
 
-mod budget_faults;
 mod common;
 mod environment_maps;
 mod gltf_environment;
 mod gltf_files;
 mod gltf_geometry;
-mod gltf_hostile;
 mod gltf_materials;
 mod gltf_nodes;
 mod gltf_shared;

@@ -232,7 +232,7 @@ fn refinement_keeps_to_the_memory_limit() {
     let options = options(Method::MESH).with(|o| o.mesh.refine = Some(3));
     let all = shoot(&scene, &camera, &options);
     // A point takes 192 B of values and some 50 B besides.
-    let max_memory = 2 * (all.stats.direct.bytes - 150 * all.stats.direct.points_refined);
+    let max_memory = scene.bytes() + 2 * (all.stats.direct.bytes - 150 * all.stats.direct.points_refined);
     let some = shoot(&scene, &camera, &options.with(|o| o.limits.max_memory = max_memory));
     let [all, some] = [all, some].map(|frame| frame.stats.direct.points_refined);
     assert!(0 < some && some < all, "{some} of {all}");

@@ -68,6 +68,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
     (
         "lightmesh-cli",
         &[
+            "machine",
             "args",
             "terminal",
             "exit",

@@ -165,8 +165,8 @@ fn unbiased_light_of_clusters_has_no_bias() {
 #[test]
 fn clusters_at_points_keep_to_the_memory_limit() {
     let scene = Scene::new(crowded()).expect("scene");
-    // Enough for the tree, on one thread, and for the points, but not for what they know.
-    let max_memory = 1700 << 10;
+    // Enough for the scene, rays, the tree, on one thread, and the points, but not for what they know.
+    let max_memory = scene.bytes() + (24 << 20) + (1700 << 10);
     let options = options(Method::Hybrid).with(|o| {
         o.mesh.spacing = Spacing::Metres(0.05);
         o.limits.max_memory = max_memory;

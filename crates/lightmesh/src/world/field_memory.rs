@@ -14,11 +14,12 @@ fn bytes_of_rays(options: &RenderOptions) -> u64 {
         Method::Hybrid => 24 << 20,
         _ => 0,
     };
-    rays + rayon::current_num_threads() as u64 * BYTES_PER_THREAD
+    rays + (rayon::current_num_threads() as u64).saturating_sub(THREADS) * BYTES_PER_THREAD
 }
 
-/// Empirical.
+/// What a thread takes, bytes, and how many do not count. Empirical.
 const BYTES_PER_THREAD: u64 = 1 << 19;
+const THREADS: u64 = 8;
 
 /// The share of one field: it may hold what the limit leaves beside the scene, the picture and the other field.
 #[derive(Clone, Debug)]
