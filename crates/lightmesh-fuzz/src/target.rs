@@ -9,7 +9,7 @@ use crate::{mutate, targets};
 pub enum Target {
     /// glTF, text and binary.
     Gltf,
-    /// OBJ with its material library: one text, cut at the line [`targets::obj::LIBRARY`].
+    /// OBJ with its material library: one text, cut at the line `# library.mtl`.
     Obj,
     /// PLY, text and binary.
     Ply,

@@ -27,7 +27,7 @@ const SLOW_MS: u64 = 1000;
 /// When the present input began, milliseconds after the start; 0 before the first.
 static BEGAN_MS: AtomicU64 = AtomicU64::new(0);
 
-/// Tries the first target chosen, and prints a [`Report`] as the last line.
+/// Tries the first target chosen, and prints a report as the last line.
 pub fn work(choices: &Choices) -> ExitCode {
     match try_target(choices.targets[0], choices) {
         Ok(report) => {
