@@ -5,42 +5,19 @@
 
 #[allow(dead_code, reason = "the other program uses the rest")]
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Cursor;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
 
 use crate::common::{Gltf, U8};
+use crate::counting::{LIVING, PEAK};
 use image::{DynamicImage, ImageBuffer, ImageFormat};
 use lightmesh_io::{LoadOptions, load_gltf_bytes};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use serde_json::{Value, json};
-
-/// The system's allocator with a count of living bytes and their peak.
-struct Counting;
-
-static LIVING: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: every call goes to `System` unchanged; only counters are touched besides.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let living = LIVING.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(living, Relaxed);
-        // SAFETY: the caller's promise is System's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVING.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller's promise is System's.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// The limit that the reader is given.
 const LIMIT: usize = 1 << 20;

@@ -2,37 +2,15 @@
 //!
 //! A program of its own: it counts every allocation.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+#[path = "common/counting.rs"]
+mod counting;
 
+use std::sync::atomic::Ordering::Relaxed;
+
+use counting::{LIVING, PEAK};
 use glam::{Affine3A, Vec3};
 use lightmesh::geometry::TriangleMesh;
 use lightmesh::{EmitterOptions, Error, Instance, Light, Limits, Material, Scene, SceneData};
-
-/// The system's allocator with a count of living bytes and their peak.
-struct Counting;
-
-static LIVING: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: every call goes to `System` unchanged; only counters are touched besides.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let living = LIVING.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(living, Relaxed);
-        // SAFETY: the caller's promise is System's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVING.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller's promise is System's.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Buffers of threads and of the first build, whatever the scene.
 const FIXED: u64 = 1 << 20;
