@@ -66,7 +66,7 @@ fn resize(array: &mut Array, rng: &mut Rng) {
     let Some(shape) = shape else { return };
     let at = rng.usize(0..shape.len());
     let old = shape[at].as_u64().unwrap_or(0).max(1) as usize;
-    let new = [0, 1, old + 1, old.saturating_sub(1), 2 * old][rng.usize(0..5)];
+    let new = [0, 1, old.saturating_add(1), old - 1, old.saturating_mul(2)][rng.usize(0..5)];
     shape[at] = json!(new);
     array.data.resize((array.data.len() / old).saturating_mul(new).min(LONGEST), 0);
 }
