@@ -1,13 +1,14 @@
 //! The progress bar.
 
 use std::{
+    fmt::Write,
     io::IsTerminal,
     sync::{Mutex, PoisonError},
     thread,
     time::{Duration, Instant},
 };
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use lightmesh::{Progress, Stage};
 
 use crate::interrupt;
@@ -58,7 +59,7 @@ impl Bar {
             _ => {
                 let now = Instant::now();
                 *current = Some((stage, now));
-                let template = "{prefix} [{bar:30}] {percent}% {msg} {eta} left";
+                let template = "{prefix} [{bar:30}] {percent}% {msg}";
                 let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
                 self.bar.disable_steady_tick();
                 self.bar.reset();
@@ -91,7 +92,12 @@ impl Progress for Bar {
         self.bar.set_length(total);
         self.bar.set_position(done);
         if seconds > 0.1 {
-            self.bar.set_message(format!("{:.2} million rays/s", rays as f64 / seconds * 1e-6));
+            let mut message = format!("{:.2} million rays/s", rays as f64 / seconds * 1e-6);
+            // Before anything is done, nobody knows how long it takes.
+            if done > 0 {
+                let _ = write!(message, " {:#} left", HumanDuration(self.bar.eta()));
+            }
+            self.bar.set_message(message);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use glam::Vec3;
 use lightmesh::{Camera, Error, LightMesh, Method, Progress, RenderOptions, Scene, Spacing, Stage, render};
@@ -119,6 +119,34 @@ fn a_mesh_outlives_frames_that_were_cancelled() {
         }
         assert!(cancelled > 3, "{method:?}: {cancelled}");
     }
+}
+
+/// A fill that takes long ends soon after it was cancelled, not when all of its points are evaluated.
+#[test]
+fn a_fill_that_is_cancelled_ends_early() {
+    /// Stops from the third time on that it is asked, and counts the rays.
+    struct Third {
+        stop: StopAt,
+        rays: AtomicU64,
+    }
+    impl Progress for Third {
+        fn report(&self, _: Stage, _: u64, _: u64, rays: u64) {
+            self.rays.store(rays, Ordering::Relaxed);
+        }
+        fn cancelled(&self) -> bool {
+            self.stop.cancelled()
+        }
+    }
+
+    let scene = Scene::new(room()).expect("scene");
+    let options = options(Method::MESH).with(|o| o.mesh.spacing = Spacing::Metres(0.1));
+    let mesh = || LightMesh::new(&scene, &options).expect("mesh");
+    let whole = mesh().prefill_box(&scene, &options, &scene.bounds(), &()).expect("fill");
+    let third = Third { stop: StopAt(AtomicU32::new(2)), rays: AtomicU64::new(0) };
+    let result = mesh().prefill_box(&scene, &options, &scene.bounds(), &third);
+    assert!(matches!(result, Err(Error::Cancelled)));
+    let (traced, all) = (third.rays.into_inner(), whole.rays.total());
+    assert!(4 * traced < all, "{traced} of {all} rays");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::encoding::PointValues;
 use super::field::DirectField;
 use super::point_lights::PointLights;
 use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
+use crate::progress::Reporter;
 use crate::{Error, RayCounts, Scene};
 
 /// Points that are evaluated before memory is checked, if they have runs, some 10 KiB each while they wait, or if there
@@ -21,11 +22,17 @@ struct EvaluatedPoint {
 }
 
 impl DirectField {
-    /// Evaluates the marked points in parallel, in brick order, and clears the marks.
+    /// Evaluates the marked points in parallel, in brick order, and clears the marks; counts the rays for `reporter`.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] before anything is allocated.
-    pub(crate) fn fill(&mut self, scene: &Scene, marks: &mut Marks) -> Result<RayCounts, Error> {
+    /// [`Error::OutOfMemory`] before anything is allocated, [`Error::Cancelled`] soon after it: with many lights, a
+    /// fill takes long.
+    pub(crate) fn fill(
+        &mut self,
+        scene: &Scene,
+        marks: &mut Marks,
+        reporter: &Reporter<'_>,
+    ) -> Result<RayCounts, Error> {
         let requested = self.points.take_marked(marks, self.costs(), &self.memory)?;
         let mut rays = RayCounts::default();
         if self.encoding.needs_probes() {
@@ -35,14 +42,14 @@ impl DirectField {
         let is_bounded = self.encoding.runs().is_some() || !self.sky.is_empty();
         let together = if is_bounded { POINTS_AT_ONCE } else { requested.len().max(1) };
         for requested in requested.chunks(together) {
-            rays.shadow += self.evaluate(scene, requested)?;
+            rays.shadow += self.evaluate(scene, requested, reporter)?;
         }
         self.memory.hold(self.stats().bytes);
         Ok(rays)
     }
 
     /// Evaluates some requested points and stores them; returns the number of shadow rays.
-    fn evaluate(&mut self, scene: &Scene, requested: &[Address]) -> Result<u64, Error> {
+    fn evaluate(&mut self, scene: &Scene, requested: &[Address], reporter: &Reporter<'_>) -> Result<u64, Error> {
         // Look at the sky from where the points are.
         let (points, encoding, lights) = (&self.points, &self.encoding, &self.lights);
         let spacing = |address: Address| points.level(address.level).lattice.spacing();
@@ -50,6 +57,7 @@ impl DirectField {
             true => 0,
             false => self.sky.look_from(scene, requested.iter().map(|&a| (points.position_of(a), spacing(a)))),
         };
+        reporter.add(0, rays);
 
         // Evaluate: the only expensive step. Chunks are large enough to share a worker's buffers.
         let sky = &self.sky;
@@ -57,6 +65,9 @@ impl DirectField {
         let evaluated: Vec<_> = requested
             .par_chunks(64)
             .map(|chunk| {
+                if reporter.cancelled() {
+                    return Err(Error::Cancelled);
+                }
                 let mut sky = if lights.has_clusters() { None } else { sky.reader(scene) };
                 let mut lights = PointLights::new(scene, lights.at(scene), encoding.falloff());
                 let mut evaluate = |&address: &Address| {
@@ -73,9 +84,12 @@ impl DirectField {
                     EvaluatedPoint { address, clearance, values }
                 };
                 let evaluated: Vec<_> = chunk.iter().map(&mut evaluate).collect();
-                (evaluated, lights.shadow_rays() + sky.map_or(0, |sky| sky.rays()))
+                let rays = lights.shadow_rays() + sky.map_or(0, |sky| sky.rays());
+                let probes = if encoding.needs_probes() { PROBE_RAYS * chunk.len() as u64 } else { 0 };
+                reporter.add(0, rays + probes);
+                Ok((evaluated, rays))
             })
-            .collect();
+            .collect::<Result<_, Error>>()?;
 
         // Refuse runs that do not fit.
         let values = evaluated.iter().flat_map(|(points, _)| points).filter_map(|point| point.values.as_ref());

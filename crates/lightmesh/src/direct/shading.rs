@@ -367,10 +367,9 @@ impl DirectLighting<'_, '_> {
 
             // Fill the points that were marked.
             let started = Instant::now();
-            let rays = self.field.fill(scene, self.marks)?;
+            let rays = self.field.fill(scene, self.marks, self.reporter)?;
             self.stats.rays += rays;
             self.stats.fill_shadow_rays += rays.shadow;
-            self.reporter.add(0, rays.total());
             seconds.fill += started.elapsed().as_secs_f64();
             if self.reporter.cancelled() {
                 return Err(Error::Cancelled);

@@ -58,9 +58,8 @@ pub fn fill_direct(
     for some in bricks.chunks(BRICKS_AT_ONCE) {
         // Mark the points of some bricks, and fill them.
         requests::mark(mesh.direct.points(), some, &marks)?;
-        let traced = mesh.direct.fill(scene, &mut marks)?;
-        rays += traced;
-        reporter.add(some.iter().map(|brick| u64::from(brick.len())).sum(), traced.total());
+        rays += mesh.direct.fill(scene, &mut marks, &reporter)?;
+        reporter.add(some.iter().map(|brick| u64::from(brick.len())).sum(), 0);
         if reporter.cancelled() {
             return Err(Error::Cancelled);
         }

@@ -94,10 +94,10 @@ impl LightMesh {
         for requested in direct.chunks(DIRECT_AT_ONCE) {
             cancelled()?;
             mark_empty(self.direct.points(), &marks.direct, requested);
-            let rays = self.direct.fill(scene, &mut marks.direct)?;
+            let rays = self.direct.fill(scene, &mut marks.direct, &reporter)?;
             stats.rays += rays;
             stats.fill_shadow_rays += rays.shadow;
-            reporter.add(requested.len() as u64, rays.total());
+            reporter.add(requested.len() as u64, 0);
         }
         stats.seconds.fill_direct = started.elapsed().as_secs_f64();
         if let (Some(field), Some(indirect_marks)) = (&mut self.indirect, &mut marks.indirect) {
