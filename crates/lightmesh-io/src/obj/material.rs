@@ -39,12 +39,7 @@ impl Materials {
         let mut described = BTreeMap::new();
         let mut seen: BTreeSet<&str> = BTreeSet::new();
         for library in libraries {
-            // Several names on one line are allowed, and so are spaces in a name: a name that ends in .mtl is taken
-            // whole first.
-            let one = library.to_ascii_lowercase().matches(".mtl").count() <= 1;
-            let names: Vec<&str> =
-                if one { vec![library.as_str()] } else { library.split_ascii_whitespace().collect() };
-            for name in names {
+            for name in library_names(library) {
                 if !seen.insert(name) {
                     continue;
                 }
@@ -217,4 +212,21 @@ fn read_pair(context: &mut Context<'_>, color: Option<&Map>, alpha: Option<&Map>
         }
     }
     Ok(Some(ImageData { name, width, height, texels: Texels::Rgba8(texels.into()) }))
+}
+
+/// The names on the rest of an `mtllib` line. Several are allowed, in quotes or not, and so are spaces in a name: a line
+/// with one `.mtl` and without quotes is one name.
+fn library_names(line: &str) -> Vec<&str> {
+    if line.contains('"') {
+        let parts = line.split('"').enumerate();
+        let names = parts.flat_map(|(i, part)| {
+            // Every second part is between quotes.
+            let is_quoted = i % 2 == 1;
+            let names = part.split(move |c: char| !is_quoted && c.is_ascii_whitespace());
+            names.filter(|name| !name.is_empty())
+        });
+        return names.collect();
+    }
+    let is_one = line.to_ascii_lowercase().matches(".mtl").count() <= 1;
+    if is_one { vec![line] } else { line.split_ascii_whitespace().collect() }
 }

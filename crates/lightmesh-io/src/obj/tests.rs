@@ -106,6 +106,28 @@ fn libraries_become_materials() {
 }
 
 #[test]
+fn a_line_names_several_libraries_in_quotes_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, red) in [("my wood.mtl", 0.1), ("tin.mtl", 0.2), ("old.lib", 0.3)] {
+        let material = name.split(['.', ' ']).next().unwrap();
+        fs::write(folder.path().join(name), format!("newmtl {material}\nKd {red} 0 0\n")).unwrap();
+    }
+    let red = |line: &str, material: &str| {
+        let text = format!("mtllib {line}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl {material}\nf 1 2 3");
+        let loaded = load(&text, Some(folder.path())).unwrap();
+        assert!(loaded.warnings.is_empty(), "{line}: {:?}", loaded.warnings);
+        let files = loaded.files.iter().filter(|file| file.exists()).count();
+        (loaded.data.materials[0].base_color.x, files)
+    };
+    assert_eq!(red("my wood.mtl", "my"), (0.1, 1));
+    assert_eq!(red("tin.mtl", "tin"), (0.2, 1));
+    assert_eq!(red("\"my wood.mtl\" tin.mtl", "my"), (0.1, 2));
+    assert_eq!(red("tin.mtl \"my wood.mtl\" old.lib", "old"), (0.3, 3));
+    assert_eq!(red("\"tin.mtl\"\"my wood.mtl\"", "my"), (0.1, 2));
+    assert_eq!(red("\"old.lib", "old"), (0.3, 1));
+}
+
+#[test]
 fn maps_are_read_beside_the_scene() {
     let folder = folder();
     let library = "newmtl wood\nKd 0 0 0\nmap_Kd -clamp on -s 2 4 -o 0.5 0.25 my maps\\wood grain.png\n\

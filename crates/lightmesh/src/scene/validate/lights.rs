@@ -56,7 +56,7 @@ pub(super) fn check_environment(environment: &Environment) -> Result<(), Error> 
     if !(radiance.min_element() >= 0.0 && radiance.max_element() <= BRIGHTEST) {
         return invalid(
             object(),
-            format!("its radiance {radiance} is negative, not finite or above {BRIGHTEST:e} cd/m²"),
+            format!("its radiance {:?} is negative, not finite or above {BRIGHTEST:e} cd/m²", radiance.to_array()),
         );
     }
     // Check the rotation, then the map's texels.
