@@ -75,6 +75,11 @@ fn divide(items: &mut [Item], first: u32, wanted: u32, most: u32, facing: f32, s
             half += 1;
         }
     }
+    // Pieces without flux, of triangles that hardly have an area, have no middle of it.
+    if half == 0 || half == items.len() {
+        strata.push(run);
+        return;
+    }
     // Give each half as many strata as its flux asks for.
     let left = ((wanted as f32 * part).round() as u32).clamp(1, wanted - 1);
     let most_left = ((most as f32 * part) as u32).clamp(left, most.max(left + 1) - 1);
@@ -111,8 +116,8 @@ fn longest_axis(items: &[Item]) -> Option<(usize, [f32; 2])> {
     (max[longest] > min[longest]).then_some((longest, [min[longest], max[longest]]))
 }
 
-/// Returns a place on the axis with about this share of the flux at or below it, at least one piece and not all of
-/// them; and the share.
+/// Returns a place on the axis with about this share of the flux at or below it, and the share: at least one piece and
+/// not all of them, if there is flux.
 fn threshold(items: &[Item], axis: usize, [min, max]: [f32; 2], share: f32) -> (f32, f32) {
     let weight_to =
         |t: f32| -> f64 { items.iter().filter(|item| item.at[axis] <= t).map(|item| f64::from(item.weight)).sum() };
@@ -202,6 +207,21 @@ mod tests {
             let items = &cubes[run.start as usize..run.end as usize];
             let normal = |item: &Item| Vec3::from_slice(&item.at[3..]);
             assert!(items.iter().all(|item| normal(item).dot(normal(&items[0])) > -1.0), "opposite sides");
+        }
+    }
+
+    /// Whatever their flux, no stratum is without pieces.
+    #[test]
+    fn pieces_without_flux_make_no_empty_stratum() {
+        for weight in [0.0, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::INFINITY, f32::NAN] {
+            // Nine places, and two between which there is no other number: the middle rounds to the upper one.
+            for place in [|i| i as f32, |i| 1.0 + f32::EPSILON * (1 + i % 2) as f32] {
+                let item = |i| Item::of_surface(Vec3::X * place(i), Vec3::Y, 1.0, weight, i);
+                let mut items: Vec<Item> = (0..9).map(item).collect();
+                let strata = stratify(&mut items, Count { wanted: 4, most: 8, facing: 1.0 });
+                assert!(strata.iter().all(|run| !run.is_empty()), "{weight}: {strata:?}");
+                assert_eq!(strata.iter().map(|run| run.len()).sum::<usize>(), 9);
+            }
         }
     }
 
