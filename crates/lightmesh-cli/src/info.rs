@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use lightmesh::geometry::Aabb;
-use lightmesh::{Camera, EmitterOptions, ImageData, Light, Limits, Projection, Scene, SceneData, Texels};
+use lightmesh::{Camera, EmitterOptions, ImageData, Light, Limits, Projection, Scene, SceneData, Texels, human_bytes};
 use lightmesh_io::LoadOptions;
 use serde::Serialize;
 
@@ -177,8 +177,8 @@ fn camera(index: usize, camera: &Camera) -> CameraInfo {
 /// The text form: one fact per line.
 fn describe(info: &Info) -> String {
     let Info { triangles, lights, memory, .. } = info;
-    let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / (1 << 20) as f64);
-    let machine = memory.machine_bytes.map_or_else(String::new, |bytes| format!(", the machine has {}", mib(bytes)));
+    let machine =
+        memory.machine_bytes.map_or_else(String::new, |bytes| format!(", the machine has {}", human_bytes(bytes)));
     // Describe what every scene has.
     let mut lines = vec![
         info.scene.clone(),
@@ -187,7 +187,11 @@ fn describe(info: &Info) -> String {
         format!("materials  {}, {} emissive", info.materials, info.emissive_materials),
         format!("lights     {} point, {} spot, {} directional", lights.point, lights.spot, lights.directional),
         format!("box        {} to {}, {} m", triple(info.r#box.min), triple(info.r#box.max), triple(info.r#box.size)),
-        format!("memory     {}, the limit is {}{machine}", mib(memory.scene_bytes), mib(memory.limit_bytes)),
+        format!(
+            "memory     {}, the limit is {}{machine}",
+            human_bytes(memory.scene_bytes),
+            human_bytes(memory.limit_bytes)
+        ),
     ];
     // Describe what only some scenes have.
     if info.spheres > 0 {

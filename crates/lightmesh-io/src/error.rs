@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io;
 
+use lightmesh::human_bytes;
+
 /// An error of reading or writing a file.
 ///
 /// Each message is one line that names the file, the place in it and what to check. Where another error is the cause,
@@ -121,8 +123,8 @@ pub enum Error {
     },
     /// Reading on would need more memory than allowed; it was not allocated.
     #[error(
-        "{file}: {place}: needs {needed_bytes} more bytes, {left_bytes} are left of the limit of {limit_bytes}; \
-         check the file or raise --max-memory"
+        "{file}: {place}: needs {} more, {} is left of the limit of {}; check the file or raise --max-memory",
+        human_bytes(*.needed_bytes), human_bytes(*.left_bytes), human_bytes(*.limit_bytes)
     )]
     OutOfMemory {
         /// The scene file.

@@ -180,9 +180,9 @@ fn files_larger_than_the_limit_are_not_read() {
     let path = folder.write("scene/scene.gltf", text("big.bin").0);
     let options = LoadOptions { max_memory: 50_000, ..LoadOptions::default() };
     let message = load(&path, &options).unwrap_err().to_string();
-    assert_says(&message, &["buffer 0", "needs 100000 more bytes", "limit of 50000"]);
+    assert_says(&message, &["buffer 0", "needs 97.7 KiB more", "limit of 48.8 KiB"]);
     let options = LoadOptions { max_memory: 10, ..LoadOptions::default() };
-    assert_says(&load(&path, &options).unwrap_err().to_string(), &["the file", "limit of 10"]);
+    assert_says(&load(&path, &options).unwrap_err().to_string(), &["the file", "limit of 10 B"]);
 }
 
 #[test]

@@ -285,5 +285,5 @@ fn absurd_image_sizes_meet_the_limit_before_decoding() {
     let large = encode(ImageBuffer::from_pixel(1000, 1000, Rgba([0_u8; 4])), ImageFormat::Png);
     let options = LoadOptions { max_memory: 3_000_000, ..LoadOptions::default() };
     let message = textured(&large).load_with(&options).unwrap_err().to_string();
-    assert_says(&message, &["image 0", "needs 4000000 more bytes"]);
+    assert_says(&message, &["image 0", "needs 3.8 MiB more"]);
 }

@@ -94,8 +94,8 @@ pub enum Error {
     Cancelled,
 }
 
-/// A byte count with a binary unit, three digits.
-fn human_bytes(bytes: u64) -> String {
+/// A byte count with a binary unit, as in messages: `1.2 GiB`.
+pub fn human_bytes(bytes: u64) -> String {
     const UNITS: [&str; 7] = ["B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
     let mut value = bytes as f64;
     let mut unit = 0;

@@ -82,7 +82,7 @@ mod viewer;
 mod world;
 
 pub use api::{Frame, Measured, measure, render};
-pub use error::Error;
+pub use error::{Error, human_bytes};
 pub use fingerprint::Fingerprint;
 pub use first_light::{FirstLight, Survey};
 pub use image::{DisplayData, ErrorEstimate, Image, MeshStats, RayCounts, RenderStats, Seconds};
