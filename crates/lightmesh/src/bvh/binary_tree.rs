@@ -50,15 +50,22 @@ const MAX_OPTIMIZED_DEPTH: usize = 1000;
 /// nodes and a living room's 4%, but a staircase's 12% fewer; which local optimum PLOC falls into is a matter of luck.
 const FULL_SEARCH: usize = 0;
 
-/// Boxes that a ray through all of the scene meets on average, by the ratio of surfaces, up to which subtrees are moved
-/// about. Rooms have 10 to 60. A judgement.
+/// Boxes that a ray through all of the scene meets on average, by the ratio of surfaces, up to which there is a tree that is
+/// worth looking for. Rooms have 10 to 60. A judgement.
 const MOST_OVERLAP: f64 = 1024.0;
+
+/// Boxes of which PLOC may merge one pair per round: that takes milliseconds.
+const FEW: usize = 2048;
 
 /// Builds the tree over `items`, node 0 the root; empty for no items.
 pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
     if items.is_empty() {
         return Vec::new();
     }
+    if overlap_everywhere(items) || are_nested(items) {
+        return median_tree(items);
+    }
+
     // Items with one and the same box count as one: PLOC merges a single pair of equals per round, so that 40,000
     // copies of a triangle took it 55 s.
     let mut order: Vec<u32> = (0..items.len() as u32).collect();
@@ -85,7 +92,7 @@ pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
         FULL_SEARCH,
     );
     // Improve; obvhs sizes its stacks by the depth, which moves can increase.
-    if bvh.max_depth <= MAX_OPTIMIZED_DEPTH && !overlap_everywhere(&distinct) {
+    if bvh.max_depth <= MAX_OPTIMIZED_DEPTH {
         bvh.max_depth *= 4;
         reinsert(&mut bvh);
     }
@@ -93,8 +100,8 @@ pub(super) fn build(items: &[Item]) -> Vec<BinaryNode> {
     breadth_first(&bvh, &order, &groups)
 }
 
-/// Whether boxes overlap so much that moving subtrees would compare each with hundreds of others: 60,000 triangles that
-/// each fill a third of the scene took 12 s.
+/// Whether boxes overlap so much that no tree is good: moving subtrees would compare each with hundreds of others, and 60,000
+/// triangles that each fill a third of the scene took 12 s.
 fn overlap_everywhere(items: &[Item]) -> bool {
     let half_area = |b: &Aabb| {
         let d = b.size().as_dvec3();
@@ -106,6 +113,22 @@ fn overlap_everywhere(items: &[Item]) -> bool {
         all = all.union(item.bounds);
     }
     sum > MOST_OVERLAP * half_area(&all)
+}
+
+/// Whether most boxes hold the next smaller one, as Russian dolls do: of 200,000, PLOC merges one pair per round. False for
+/// so few that rounds do not count.
+fn are_nested(items: &[Item]) -> bool {
+    if items.len() < FEW {
+        return false;
+    }
+    let size = |item: &&Item| item.bounds.size().length_squared();
+    let mut by_size: Vec<&Item> = items.iter().collect();
+    by_size.par_sort_unstable_by(|a, b| size(a).total_cmp(&size(b)).then(a.primitive.cmp(&b.primitive)));
+    let holds = |outer: &Aabb, inner: &Aabb| {
+        outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all() && bits(outer) != bits(inner)
+    };
+    let nested = by_size.windows(2).filter(|pair| holds(&pair[1].bounds, &pair[0].bounds)).count();
+    2 * nested > items.len()
 }
 
 /// A box as integers, to sort and compare by.
@@ -214,4 +237,35 @@ pub(super) fn median_tree(items: &[Item]) -> Vec<BinaryNode> {
         }
     }
     nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(nodes: &[BinaryNode]) -> u32 {
+        let mut depths = vec![0; nodes.len()];
+        for (i, node) in nodes.iter().enumerate() {
+            if let Content::Inner(first) = node.content {
+                let below = depths[i] + 1;
+                depths[first as usize..][..2].fill(below);
+            }
+        }
+        depths.into_iter().max().unwrap_or_default()
+    }
+
+    fn cubes(sizes: impl Iterator<Item = f32>) -> Vec<Item> {
+        let bounds = |size: f32| Aabb { min: Vec3A::splat(-size).into(), max: Vec3A::splat(size).into() };
+        (0..).zip(sizes).map(|(primitive, size)| Item { bounds: bounds(size), primitive }).collect()
+    }
+
+    /// Boxes in boxes, evenly or each a part larger than the last: PLOC would make a chain of them, one link a round.
+    #[test]
+    fn boxes_in_boxes_make_a_shallow_tree() {
+        for items in [cubes((1..20_000).map(|i| i as f32)), cubes((1..20_000).map(|i| 1.004_f32.powi(i)))] {
+            let nodes = build(&items);
+            assert_eq!(nodes.len(), 2 * items.len() - 1);
+            assert!(depth(&nodes) <= 16, "{}", depth(&nodes));
+        }
+    }
 }

@@ -9,8 +9,8 @@ use crate::mesh::{Address, Clearance, Marks, PROBE_RAYS, probe};
 use crate::progress::Reporter;
 use crate::{Error, RayCounts, Scene};
 
-/// Points that are evaluated before memory is checked, if they have runs, some 10 KiB each while they wait, or if there
-/// is a sky: each may be in a block of its own.
+/// Points that are evaluated before they are stored and memory is checked: some 600 B each while they wait, 10 KiB if they
+/// have runs; and each may be in a block of the sky of its own.
 const POINTS_AT_ONCE: usize = 1 << 13;
 
 /// A point that has been evaluated.
@@ -39,9 +39,7 @@ impl DirectField {
             rays.secondary = PROBE_RAYS * requested.len() as u64;
         }
         // The number of runs shows only when points have been evaluated.
-        let is_bounded = self.encoding.runs().is_some() || !self.sky.is_empty();
-        let together = if is_bounded { POINTS_AT_ONCE } else { requested.len().max(1) };
-        for requested in requested.chunks(together) {
+        for requested in requested.chunks(POINTS_AT_ONCE) {
             rays.shadow += self.evaluate(scene, requested, reporter)?;
         }
         self.memory.hold(self.stats().bytes);
