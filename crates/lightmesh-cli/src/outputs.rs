@@ -23,6 +23,7 @@ use crate::{
 /// no other process can begin to write them.
 #[derive(Debug)]
 pub(crate) struct Outputs {
+    /// What is replaced or removed, by option.
     names: Vec<(&'static str, PathBuf)>,
     formats: Vec<Format>,
     pictures: Vec<StagedFile>,
@@ -46,13 +47,12 @@ impl Outputs {
         let others = [("--stats", stats), ("--save-mesh", save_mesh), ("--preview", preview)];
         let others = others.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?)));
         let names: Vec<_> = pictures.chain(others).map(|(option, path)| (option, path.clone())).collect();
-        refuse_replacing(&names, "the scene", &args.scene)?;
-        if let Some(mesh) = &args.mesh {
-            refuse_replacing(&names, "the light mesh of --mesh,", mesh)?;
-        }
+        let mut inputs: Vec<(&str, &Path)> = vec![("the scene", &args.scene)];
+        inputs.extend(args.mesh.as_deref().map(|mesh| ("the light mesh of --mesh,", mesh)));
         if let Some(EnvironmentArg::File(map)) = &surroundings.emitters.environment {
-            refuse_replacing(&names, "the environment map", map)?;
+            inputs.push(("the environment map", map));
         }
+        inputs.iter().try_for_each(|(what, input)| refuse_replacing(&names, what, input))?;
 
         // Make all of them, empty: what can be found out about the place now should not cost a render.
         let paths: Vec<PathBuf> = names.iter().map(|(_, path)| path.clone()).collect();
@@ -60,11 +60,17 @@ impl Outputs {
             Error::InUse { .. } => Failure::work(error),
             error => Failure::input(error),
         })?;
+        let leftover = |(file, (option, _)): (&StagedFile, &(&'static str, PathBuf))| {
+            file.leftover().map(|leftover| (*option, leftover.to_owned()))
+        };
+        let leftovers: Vec<_> = files.iter().zip(&names).filter_map(leftover).collect();
+        inputs.iter().try_for_each(|(what, input)| refuse_replacing(&leftovers, what, input))?;
         files.iter().for_each(remove_at_end);
         let mut files = files.into_iter();
         let pictures = files.by_ref().take(output.len()).collect();
         let mut if_named = |path: &Option<PathBuf>| path.as_ref().and_then(|_| files.next());
         let (stats, mesh, preview) = (if_named(stats), if_named(save_mesh), if_named(preview));
+        let names = names.into_iter().chain(leftovers).collect();
         Ok(Self { names, formats, pictures, stats, mesh, preview })
     }
 

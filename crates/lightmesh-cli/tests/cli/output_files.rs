@@ -69,6 +69,31 @@ fn what_is_read_is_not_replaced() {
     assert!(place.contents() == before);
 }
 
+/// Temporaries of dead writers are removed, but not what only has the name of one.
+#[test]
+fn what_is_read_may_have_the_name_of_a_temporary() {
+    let place = Place::with_files();
+    let taken = |output: &str| format!(".{output}.lightmesh.partial");
+    fs::copy(place.path("old.mesh"), place.path(&taken("c.png"))).unwrap();
+    fs::copy(place.path("scene.gltf"), place.path(&taken("d.png"))).unwrap();
+    fs::copy(place.path("data.exr"), place.path(&taken("f.png"))).unwrap();
+    let scene = fs::read_to_string(place.path("scene.gltf")).unwrap().replace("data.exr", &taken("f.png"));
+    place.write("other.gltf", &scene);
+    let before = place.contents();
+    for (line, what) in [
+        ("scene.gltf --mesh .c.png.lightmesh.partial -o c.png", "the light mesh of --mesh"),
+        ("scene.gltf -o c.png --mesh ./.c.png.lightmesh.partial", "the light mesh of --mesh"),
+        (".d.png.lightmesh.partial -o d.png", "the scene"),
+        ("other.gltf -o f.png", "a file of the scene"),
+    ] {
+        place.run(&format!("render {line} {LONG}")).exits(2).says(&[".lightmesh.partial: --output", what]);
+        assert!(place.contents() == before, "{line}");
+    }
+    // Another scene does not need it.
+    place.run("render scene.gltf -o f.png --size 8x4 --quiet").exits(0);
+    assert!(place.path("f.png").exists() && !place.path(&taken("f.png")).exists());
+}
+
 #[test]
 fn two_outputs_are_two_files() {
     let place = Place::new();

@@ -8,11 +8,13 @@ use std::{
 use super::{
     destination::{Destination, folder_of},
     identity::is_same_file,
+    partial::Leftovers,
     staged::{StagedFile, Unstaged},
 };
 use crate::error::{Error, one_line};
 
-/// Stages every file, in the order of the paths: from now on no other process can.
+/// Stages every file, in the order of the paths: from now on no other process can. What dead writers have left stays until
+/// the files are [renewed](StagedFile::renewed) or written to: until then, see [`StagedFile::leftover`].
 ///
 /// # Errors
 /// [`Error::SameOutput`] if two of them would be one file, however they are spelled; [`Error::InUse`] if another
@@ -30,12 +32,12 @@ pub fn claim(paths: &[PathBuf]) -> Result<Vec<StagedFile>, Error> {
     order.sort_by_key(|&i| real_path(&paths[i]));
     let mut files: Vec<(usize, StagedFile)> = Vec::with_capacity(paths.len());
     for i in order {
-        match StagedFile::try_create(&paths[i]) {
+        match StagedFile::try_create(&paths[i], Leftovers::Kept) {
             Ok(file) => files.push((i, file)),
             Err(Unstaged::Failed(error)) => return Err(error),
             // Two names of a file that is not there yet have one temporary.
             Err(Unstaged::InUse(temporary)) => {
-                let is_it = |file: &StagedFile| file.temporary().is_some_and(|own| is_same_file(own, &temporary));
+                let is_it = |file: &StagedFile| file.partial().is_some_and(|own| is_same_file(&own.path, &temporary));
                 return Err(match files.iter().find(|(_, file)| is_it(file)) {
                     Some((other, _)) => same(&paths[i.max(*other)], &paths[i.min(*other)]),
                     None => Error::InUse { file: one_line(paths[i].display()) },

@@ -21,6 +21,18 @@ pub(super) const OLD: &str = "lightmesh.old";
 #[derive(Debug)]
 pub(super) struct Partial {
     pub(super) path: PathBuf,
+    /// Whether the file was there already: of a dead writer, or of somebody else who likes such names. It is not to be written
+    /// to.
+    pub(super) is_leftover: bool,
+}
+
+/// What becomes of files that have the names of temporaries and no writer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leftovers {
+    /// They are removed.
+    Removed,
+    /// They stay, and are locked: it may turn out that the scene names them.
+    Kept,
 }
 
 /// Why there is no temporary.
@@ -39,20 +51,18 @@ impl From<io::Error> for Refusal {
 }
 
 impl Partial {
-    /// Makes the temporary of a file `name` in `folder`, locked, and removes those of dead writers.
-    pub(super) fn create(folder: &Path, name: &Path) -> Result<(Self, File), Refusal> {
+    /// Makes the temporary of a file `name` in `folder`, locked; `leftovers`: what becomes of those of dead writers.
+    pub(super) fn create(folder: &Path, name: &Path, leftovers: Leftovers) -> Result<(Self, File), Refusal> {
         fault::before(Step::Create)?;
-        remove_leftovers(folder, name);
+        if leftovers == Leftovers::Removed {
+            remove_leftovers(folder, name);
+        }
         let path = folder.join(beside(name, "lightmesh.partial"));
         for _ in 0..ATTEMPTS {
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Ok(file) => match file.try_lock() {
                     // Until it was locked, another writer could take it for a leftover.
-                    Ok(()) if is_still(&path, &file) => {
-                        // The second name of a file that a killed writer was replacing.
-                        let _ = fs::remove_file(folder.join(beside(name, OLD)));
-                        return Ok((Self { path }, file));
-                    }
+                    Ok(()) if is_still(&path, &file) => return Ok((Self { path, is_leftover: false }, file)),
                     Ok(()) | Err(TryLockError::WouldBlock) => {}
                     // The file system has no locks: do without.
                     Err(TryLockError::Error(_)) => {
@@ -61,8 +71,12 @@ impl Partial {
                         return Self::unlocked(folder, name);
                     }
                 },
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => match remove_if_dead(&path) {
-                    Found::Removed => {}
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => match Found::at(&path) {
+                    Found::Dead(file) if leftovers == Leftovers::Kept => {
+                        return Ok((Self { path, is_leftover: true }, file));
+                    }
+                    Found::Dead(_) if fs::remove_file(&path).is_err() => return Self::unlocked(folder, name),
+                    Found::Dead(_) | Found::Gone => {}
                     Found::Alive => return Err(Refusal::InUse(path)),
                     Found::Unknown => return Self::unlocked(folder, name),
                 },
@@ -78,7 +92,7 @@ impl Partial {
         loop {
             let path = folder.join(beside(name, &format!("{}-{attempt}.partial", std::process::id())));
             match OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(file) => return Ok((Self { path }, file)),
+                Ok(file) => return Ok((Self { path, is_leftover: false }, file)),
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < ATTEMPTS => attempt += 1,
                 Err(error) => return Err(error.into()),
             }
@@ -105,16 +119,20 @@ pub(super) fn beside(name: &Path, ending: &str) -> OsString {
     hidden
 }
 
-/// Removes temporaries of the form `.NAME.PROCESS-NUMBER.partial` whose writers are dead. Versions before 0.2 lock none
-/// of theirs: where another process has that number now, they stay.
-fn remove_leftovers(folder: &Path, name: &Path) {
+/// Removes the second name of a file that a killed writer was replacing, and temporaries of the form
+/// `.NAME.PROCESS-NUMBER.partial` whose writers are dead. Versions before 0.2 lock none of theirs: where another process has
+/// that number now, they stay.
+pub(super) fn remove_leftovers(folder: &Path, name: &Path) {
+    let _ = fs::remove_file(folder.join(beside(name, OLD)));
     let start = beside(name, "");
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let file_name = entry.file_name();
         let rest = file_name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
         let process = rest.and_then(|rest| rest.strip_suffix(b".partial")).and_then(process_of);
         if process.is_some_and(|process| !is_another_process(process)) {
-            remove_if_dead(&entry.path());
+            if let Found::Dead(_locked) = Found::at(&entry.path()) {
+                let _ = fs::remove_file(entry.path());
+            }
         }
     }
 }
@@ -131,37 +149,35 @@ fn is_another_process(process: &str) -> bool {
     process != std::process::id().to_string() && Path::new("/proc").join(process).exists()
 }
 
-/// What became of a temporary that was there already.
+/// A temporary that was there already.
 enum Found {
-    /// It is gone: its writer is dead, or has just finished.
-    Removed,
+    /// Its writer is dead. While the file is open we hold its lock: nobody else removes it or writes to it.
+    Dead(File),
+    /// Its writer has just finished.
+    Gone,
     /// Its writer lives.
     Alive,
     /// It is no file, or nothing can be found out about it.
     Unknown,
 }
 
-/// Removes a temporary if nobody holds its lock. Writers lock theirs before they write, and the operating system
-/// unlocks those of the dead.
-fn remove_if_dead(path: &Path) -> Found {
-    match fs::symlink_metadata(path) {
-        Ok(there) if there.is_file() => {}
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Removed,
-        _ => return Found::Unknown,
-    }
-    // Some file systems lock only files that are open for writing.
-    let opened = OpenOptions::new().write(true).open(path).or_else(|_| File::open(path));
-    match opened.map(|file| (file.try_lock(), file)) {
-        // While we hold it, nobody else removes it or writes to it.
-        Ok((Ok(()), file)) => {
-            if is_still(path, &file) && fs::remove_file(path).is_err() {
-                return Found::Unknown;
-            }
-            Found::Removed
+impl Found {
+    /// Writers lock theirs before they write, and the operating system unlocks those of the dead.
+    fn at(path: &Path) -> Self {
+        match fs::symlink_metadata(path) {
+            Ok(there) if there.is_file() => {}
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Self::Gone,
+            _ => return Self::Unknown,
         }
-        Ok((Err(TryLockError::WouldBlock), _)) => Found::Alive,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Found::Removed,
-        _ => Found::Unknown,
+        // Some file systems lock only files that are open for writing.
+        let opened = OpenOptions::new().write(true).open(path).or_else(|_| File::open(path));
+        match opened.map(|file| (file.try_lock(), file)) {
+            Ok((Ok(()), file)) if is_still(path, &file) => Self::Dead(file),
+            Ok((Ok(()), _)) => Self::Gone,
+            Ok((Err(TryLockError::WouldBlock), _)) => Self::Alive,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Self::Gone,
+            _ => Self::Unknown,
+        }
     }
 }
 

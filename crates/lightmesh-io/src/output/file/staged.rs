@@ -11,7 +11,7 @@ use tempfile::SpooledTempFile;
 use super::{
     destination::{Destination, folder_of},
     fault::{self, Step},
-    partial::{Partial, Refusal},
+    partial::{Leftovers, Partial, Refusal, remove_leftovers},
     stream::Stream,
 };
 use crate::error::{Error, one_line};
@@ -68,14 +68,14 @@ impl StagedFile {
     /// If the folder is missing or not writable, or the target is a folder; [`Error::InUse`] if another process, or
     /// another part of this one, is writing the same file.
     pub fn create(target: &Path) -> Result<Self, Error> {
-        Self::try_create(target).map_err(|unstaged| match unstaged {
+        Self::try_create(target, Leftovers::Removed).map_err(|unstaged| match unstaged {
             Unstaged::InUse(_) => Error::InUse { file: one_line(target.display()) },
             Unstaged::Failed(error) => error,
         })
     }
 
     /// [`StagedFile::create`] that says which temporary is in use.
-    pub(super) fn try_create(name: &Path) -> Result<Self, Unstaged> {
+    pub(super) fn try_create(name: &Path, leftovers: Leftovers) -> Result<Self, Unstaged> {
         let file = || one_line(name.display());
         let failed = |cause| Unstaged::Failed(Error::Write { file: file(), cause });
         let target = match Destination::of(name).map_err(failed)? {
@@ -97,9 +97,11 @@ impl StagedFile {
         if !folder.is_dir() {
             return Err(Unstaged::Failed(Error::NoFolder { file: file(), folder: one_line(folder.display()) }));
         }
-        match Partial::create(folder, Path::new(file_name)) {
+        match Partial::create(folder, Path::new(file_name), leftovers) {
             Ok((partial, file)) => {
-                keep_permissions(&file, &target);
+                if !partial.is_leftover {
+                    keep_permissions(&file, &target);
+                }
                 Ok(Self {
                     name: name.to_owned(),
                     writer: Some(BufWriter::new(Sink::Partial(file))),
@@ -116,28 +118,58 @@ impl StagedFile {
         Self { name: name.to_owned(), writer: Some(BufWriter::new(sink)), place: Place::Written(stream) }
     }
 
-    /// Returns this file, or a new and empty one if somebody has removed its temporary: nothing is written to it yet,
-    /// and whole folders may be cleaned in the hours that a render takes.
+    /// Returns this file, ready to be written to, without what dead writers have left; a new and empty one if somebody has
+    /// removed its temporary: nothing is written to it yet, and whole folders may be cleaned in the hours that a render
+    /// takes.
     ///
     /// # Errors
     /// As [`StagedFile::create`].
     pub fn renewed(self) -> Result<Self, Error> {
-        let is_there = match (&self.place, &self.writer) {
-            (Place::Replaced { partial: Some(partial), .. }, Some(writer)) => match writer.get_ref() {
-                Sink::Partial(file) => partial.is_still(file),
-                Sink::Kept(_) => true,
-            },
+        let Place::Replaced { partial: Some(partial), target } = &self.place else { return Ok(self) };
+        let is_there = match self.writer.as_ref().map(BufWriter::get_ref) {
+            Some(Sink::Partial(file)) => partial.is_still(file),
             _ => true,
         };
-        if is_there { Ok(self) } else { Self::create(&self.name.clone()) }
+        if is_there && !partial.is_leftover {
+            if let Some(name) = target.file_name() {
+                remove_leftovers(folder_of(target), Path::new(name));
+            }
+            return Ok(self);
+        }
+        // Unlock what was there, so that it can be removed.
+        let name = self.name.clone();
+        drop(self);
+        Self::create(&name)
     }
 
-    /// Returns the path of the content until it is committed; `None` if it grows under no name.
+    /// Returns the path of the content until it is committed; `None` if it grows under no name, or if there still is a
+    /// [`Self::leftover`] of that name.
     pub fn temporary(&self) -> Option<&Path> {
+        self.partial().filter(|partial| !partial.is_leftover).map(|partial| partial.path.as_path())
+    }
+
+    /// Returns the path of a file that had the temporary's name before and has no writer: it stays until this one is
+    /// [renewed](Self::renewed) or written to.
+    pub fn leftover(&self) -> Option<&Path> {
+        self.partial().filter(|partial| partial.is_leftover).map(|partial| partial.path.as_path())
+    }
+
+    pub(super) fn partial(&self) -> Option<&Partial> {
         match &self.place {
-            Place::Replaced { partial, .. } => partial.as_ref().map(|partial| partial.path.as_path()),
+            Place::Replaced { partial, .. } => partial.as_ref(),
             Place::Written(_) => None,
         }
+    }
+
+    /// Makes it a file of its own if there was one of the temporary's name.
+    fn replace_leftover(&mut self) -> io::Result<()> {
+        if self.leftover().is_some() {
+            let target = self.name.clone();
+            // Unlock what was there, so that it can be removed.
+            self.writer = None;
+            *self = Self::create(&target).map_err(io::Error::other)?;
+        }
+        Ok(())
     }
 
     /// Returns its name as it was given to [`StagedFile::create`].
@@ -152,6 +184,7 @@ impl StagedFile {
 
     /// Hands the last bytes to the disk.
     pub(super) fn complete(&mut self) -> io::Result<()> {
+        self.replace_leftover()?;
         let Some(writer) = &mut self.writer else { return Ok(()) };
         writer.flush()?;
         match writer.get_ref() {
@@ -183,6 +216,7 @@ impl StagedFile {
 
 impl Write for StagedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.replace_leftover()?;
         self.writer.as_mut().map_or(Ok(0), |writer| writer.write(bytes))
     }
 
@@ -230,6 +264,7 @@ impl Drop for StagedFile {
         let sink = self.writer.take().map(|writer| writer.into_parts().0);
         if let Place::Replaced { partial: Some(partial), .. } = &self.place {
             let ours = match &sink {
+                _ if partial.is_leftover => false,
                 Some(Sink::Partial(file)) => partial.is_still(file),
                 _ => true,
             };

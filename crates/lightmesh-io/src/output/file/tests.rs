@@ -132,6 +132,42 @@ fn outputs_that_are_one_file_are_refused() {
     assert!(files[0].name().ends_with("b") && files[1].name().ends_with("a"));
 }
 
+/// Whether the file of that name is a dead writer's or one that is still needed shows only later.
+#[test]
+fn what_has_the_name_of_a_temporary_stays_until_it_is_in_the_way() {
+    let place = Place::new();
+    let (leftover, old) = (".a.txt.lightmesh.partial", ".a.txt.lightmesh.old");
+    let files = [leftover, old, ".a.txt.9999999999-0.partial"];
+    for name in files {
+        place.write(name, "needed");
+    }
+    let claimed = || claim(&[place.path("a.txt")]).unwrap().remove(0);
+    let file = claimed();
+    assert_eq!((file.leftover(), file.temporary()), (Some(&*place.path(leftover)), None));
+    assert!(matches!(claim(&[place.path("a.txt")]), Err(Error::InUse { .. })));
+    drop(file);
+    for name in files {
+        assert_eq!(place.read(name), "needed");
+    }
+
+    let mut file = claimed().renewed().unwrap();
+    assert_eq!((file.leftover(), file.temporary()), (None, Some(&*place.path(leftover))));
+    file.write_all(b"new").unwrap();
+    file.commit().unwrap();
+    assert_eq!((place.names(), place.read("a.txt")), (vec!["a.txt".to_owned()], "new".to_owned()));
+
+    // Written to without being renewed.
+    place.write(leftover, "longer than what is new");
+    let mut file = claimed();
+    file.write_all(b"newer").unwrap();
+    file.commit().unwrap();
+    place.write(leftover, "what would be the content of an empty file");
+    claim(&[place.path("b.txt")]).unwrap().remove(0).commit().unwrap();
+    assert_eq!((place.read("a.txt"), place.read("b.txt")), ("newer".to_owned(), String::new()));
+    claimed().commit().unwrap();
+    assert_eq!((place.names(), place.read("a.txt")), (vec!["a.txt".to_owned(), "b.txt".to_owned()], String::new()));
+}
+
 /// Whoever cleans up while a render goes on does not cost its picture.
 #[test]
 fn a_temporary_that_is_removed_meanwhile_is_made_again() {
