@@ -3,7 +3,9 @@
 //! 0 done; 1 failed while working, or pixels are no numbers; 2 bad input or usage; 3 done, but not within the error asked for (`--strict`); 130
 //! interrupted.
 
-use clap::error::ErrorKind;
+use std::io::ErrorKind;
+
+use clap::error::ErrorKind as Usage;
 
 use crate::terminal;
 
@@ -69,10 +71,15 @@ impl From<lightmesh::Error> for Failure {
 /// Help and version on stdout; a usage error in one line on stderr.
 pub(crate) fn usage(error: &clap::Error) -> u8 {
     match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            // A closed pipe is no failure of ours.
-            let _ = error.print();
-            u8::from(error.use_stderr()) * 2
+        Usage::DisplayHelp | Usage::DisplayVersion | Usage::DisplayHelpOnMissingArgumentOrSubcommand => {
+            match error.print() {
+                // A closed pipe is no failure of ours.
+                Err(cause) if cause.kind() != ErrorKind::BrokenPipe => {
+                    terminal::error(&format!("standard output cannot be written: {cause}"));
+                    1
+                }
+                _ => u8::from(error.use_stderr()) * 2,
+            }
         }
         _ => {
             terminal::error(&one_line(&error.render().to_string()));

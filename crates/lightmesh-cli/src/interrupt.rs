@@ -5,7 +5,7 @@ use std::{
     path::PathBuf,
     process,
     sync::{
-        Mutex, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
     thread,
@@ -38,6 +38,10 @@ pub(crate) fn listen() {
             end();
         }
     });
+    // Files above a limit of the shell (`ulimit -f`): the write fails, as on a full disk, where the signal would end the
+    // program and leave its temporaries.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
 }
 
 /// Returns whether the work should stop.

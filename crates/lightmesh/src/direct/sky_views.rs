@@ -68,11 +68,6 @@ impl SkyViews {
         Self { lanes, beside, seen: HashMap::new(), most_bytes: MOST_BYTES.min(max_memory / MOST_PART) }
     }
 
-    /// Whether there is no sky.
-    pub(super) fn is_empty(&self) -> bool {
-        self.lanes.is_empty()
-    }
-
     /// Returns the memory, bytes.
     pub(super) fn bytes(&self) -> u64 {
         self.seen.len() as u64 * self.block_bytes()
