@@ -23,7 +23,7 @@ TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
         (TRIANGLE, [[0, 1, 2.0]], {}, "triangles: expected whole numbers, not float64"),
         (TRIANGLE, [[0, 1, -2]], {}, "triangles: index -2"),
         (TRIANGLE, [[0, 1, 2**32]], {}, "triangles: index 4294967296"),
-        (TRIANGLE, numpy.array([[0, 1, 2**64 - 1]], numpy.uint64), {}, "triangles: index -1"),
+        (TRIANGLE, numpy.array([[0, 1, 2**64 - 1]], numpy.uint64), {}, "triangles: index 18446744073709551615"),
         (TRIANGLE, [0, 1, 2], {}, r"triangles: expected the shape \(n, 3\)"),
         (TRIANGLE, [[0, 1, 2]], {"transform": numpy.eye(3)}, r"transform: expected the shape \(4, 4\)"),
         (TRIANGLE, [[0, 1, 2]], {"transform": numpy.ones((4, 4))}, "transform: must be finite, and its last row"),

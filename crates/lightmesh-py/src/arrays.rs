@@ -1,5 +1,7 @@
 //! Numbers from Python: anything that NumPy makes an array of, checked for its kind and shape.
 
+use std::fmt::Display;
+
 use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 use lightmesh::Meter;
 use lightmesh::geometry::Aabb;
@@ -165,18 +167,28 @@ pub(crate) fn colors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec4>
 /// Three indices a triangle, (n, 3) whole numbers from 0 on.
 pub(crate) fn triangles(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
     let array = array(value)?;
-    if !matches!(kind(&array)?.as_str(), "i" | "u") {
-        return Err(wrong(&array, name, "expected whole numbers"));
+    match kind(&array)?.as_str() {
+        "i" => corners::<i64>(&array, "int64", name),
+        "u" => corners::<u64>(&array, "uint64", name),
+        _ => Err(wrong(&array, name, "expected whole numbers")),
     }
-    // What is beyond 63 bits becomes negative.
-    let numbers: Numbers<i64> = convert(&array, "int64")?;
+}
+
+/// The triangles of an array of whole numbers, which is converted to numbers of type T, `dtype` for NumPy.
+fn corners<T: Element + Copy + Display + TryInto<u32>>(
+    array: &Bound<'_, PyAny>,
+    dtype: &str,
+    name: &str,
+) -> PyResult<Vec<[u32; 3]>> {
+    let numbers: Numbers<T> = convert(array, dtype)?;
     if !matches!(numbers.shape[..], [_, 3]) {
-        return Err(misshapen(value.py(), name, "(n, 3)", &numbers.shape));
+        return Err(misshapen(array.py(), name, "(n, 3)", &numbers.shape));
     }
-    let index = |&i: &i64| u32::try_from(i).map_err(|_| i);
-    let indices: Result<Vec<u32>, i64> = numbers.values.iter().map(index).collect();
-    let indices =
-        indices.map_err(|i| error::scene(value.py(), format!("{name}: index {i} is no index of a corner")))?;
+    let index = |&i: &T| {
+        let message = || error::scene(array.py(), format!("{name}: index {i} is no index of a corner"));
+        i.try_into().map_err(|_| message())
+    };
+    let indices = numbers.values.iter().map(index).collect::<PyResult<Vec<u32>>>()?;
     Ok(indices.as_chunks().0.to_vec())
 }
 

@@ -147,17 +147,19 @@ fn explain(file: &str, text: &[u8]) -> Error {
         return error;
     }
     let mut deserializer = serde_json::Deserializer::from_slice(text);
+    let mut advice = "the file is incomplete or damaged";
     let (place, what) = match serde_path_to_error::deserialize::<_, Document>(&mut deserializer) {
-        Err(error) if error.path().to_string() != "." => (format!("JSON, {}", error.path()), error.inner().to_string()),
+        Err(error) if error.path().to_string() != "." => {
+            if !error.inner().is_eof() {
+                advice = "the file is damaged";
+            }
+            (format!("JSON, {}", error.path()), error.inner().to_string())
+        }
         Err(error) => ("JSON".to_owned(), error.inner().to_string()),
         // An object that parses, and then something behind it.
         Ok(_) => ("JSON".to_owned(), "text follows the end of the glTF object".to_owned()),
     };
-    Error::Syntax {
-        file: one_line(file),
-        place: one_line(place),
-        what: one_line(format_args!("{what}; the file is incomplete or damaged")),
-    }
+    Error::Syntax { file: one_line(file), place: one_line(place), what: one_line(format_args!("{what}; {advice}")) }
 }
 
 /// Accepts 2.x that can be read as 2.0.

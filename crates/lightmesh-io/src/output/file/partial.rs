@@ -129,10 +129,10 @@ pub(super) fn remove_leftovers(folder: &Path, name: &Path) {
         let file_name = entry.file_name();
         let rest = file_name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
         let process = rest.and_then(|rest| rest.strip_suffix(b".partial")).and_then(process_of);
-        if process.is_some_and(|process| !is_another_process(process)) {
-            if let Found::Dead(_locked) = Found::at(&entry.path()) {
-                let _ = fs::remove_file(entry.path());
-            }
+        if process.is_some_and(|process| !is_another_process(process))
+            && let Found::Dead(_locked) = Found::at(&entry.path())
+        {
+            let _ = fs::remove_file(entry.path());
         }
     }
 }
