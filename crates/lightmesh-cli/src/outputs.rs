@@ -60,10 +60,11 @@ impl Outputs {
             Error::InUse { .. } => Failure::work(error),
             error => Failure::input(error),
         })?;
-        let leftover = |(file, (option, _)): (&StagedFile, &(&'static str, PathBuf))| {
-            file.leftover().map(|leftover| (*option, leftover.to_owned()))
-        };
-        let leftovers: Vec<_> = files.iter().zip(&names).filter_map(leftover).collect();
+        let leftovers: Vec<_> = files
+            .iter()
+            .zip(&names)
+            .flat_map(|(file, (option, _))| file.leftovers().into_iter().map(|path| (*option, path)))
+            .collect();
         inputs.iter().try_for_each(|(what, input)| refuse_replacing(&leftovers, what, input))?;
         files.iter().for_each(remove_at_end);
         let mut files = files.into_iter();

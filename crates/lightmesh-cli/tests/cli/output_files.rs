@@ -75,6 +75,8 @@ fn what_is_read_may_have_the_name_of_a_temporary() {
     let place = Place::with_files();
     let taken = |output: &str| format!(".{output}.lightmesh.partial");
     fs::copy(place.path("old.mesh"), place.path(&taken("c.png"))).unwrap();
+    fs::copy(place.path("old.mesh"), place.path(".g.png.lightmesh.old")).unwrap();
+    fs::copy(place.path("old.mesh"), place.path(".h.png.9999999999-0.partial")).unwrap();
     fs::copy(place.path("scene.gltf"), place.path(&taken("d.png"))).unwrap();
     fs::copy(place.path("data.exr"), place.path(&taken("f.png"))).unwrap();
     let scene = fs::read_to_string(place.path("scene.gltf")).unwrap().replace("data.exr", &taken("f.png"));
@@ -85,8 +87,10 @@ fn what_is_read_may_have_the_name_of_a_temporary() {
         ("scene.gltf -o c.png --mesh ./.c.png.lightmesh.partial", "the light mesh of --mesh"),
         (".d.png.lightmesh.partial -o d.png", "the scene"),
         ("other.gltf -o f.png", "a file of the scene"),
+        ("scene.gltf -o g.png --mesh .g.png.lightmesh.old", "the light mesh of --mesh"),
+        ("scene.gltf -o h.png --mesh .h.png.9999999999-0.partial", "the light mesh of --mesh"),
     ] {
-        place.run(&format!("render {line} {LONG}")).exits(2).says(&[".lightmesh.partial: --output", what]);
+        place.run(&format!("render {line} {LONG}")).exits(2).says(&[": --output would replace", what]);
         assert!(place.contents() == before, "{line}");
     }
     // Another scene does not need it.

@@ -14,7 +14,7 @@ use super::{
 use crate::error::{Error, one_line};
 
 /// Stages every file, in the order of the paths: from now on no other process can. What dead writers have left stays until
-/// the files are [renewed](StagedFile::renewed) or written to: until then, see [`StagedFile::leftover`].
+/// the files are [renewed](StagedFile::renewed) or written to: until then, see [`StagedFile::leftovers`].
 ///
 /// # Errors
 /// [`Error::SameOutput`] if two of them would be one file, however they are spelled; [`Error::InUse`] if another

@@ -119,22 +119,29 @@ pub(super) fn beside(name: &Path, ending: &str) -> OsString {
     hidden
 }
 
-/// Removes the second name of a file that a killed writer was replacing, and temporaries of the form
-/// `.NAME.PROCESS-NUMBER.partial` whose writers are dead. Versions before 0.2 lock none of theirs: where another process has
-/// that number now, they stay.
+/// Removes what killed writers have left beside a file, but for the temporary's own name.
 pub(super) fn remove_leftovers(folder: &Path, name: &Path) {
-    let _ = fs::remove_file(folder.join(beside(name, OLD)));
-    let start = beside(name, "");
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let file_name = entry.file_name();
-        let rest = file_name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
-        let process = rest.and_then(|rest| rest.strip_suffix(b".partial")).and_then(process_of);
-        if process.is_some_and(|process| !is_another_process(process))
-            && let Found::Dead(_locked) = Found::at(&entry.path())
-        {
-            let _ = fs::remove_file(entry.path());
+    for path in leftovers(folder, name) {
+        if path.ends_with(beside(name, OLD)) {
+            let _ = fs::remove_file(path);
+        } else if let Found::Dead(_locked) = Found::at(&path) {
+            let _ = fs::remove_file(path);
         }
     }
+}
+
+/// Returns the names that killed writers may have left: the second one of a file that was being replaced, and temporaries of
+/// the form `.NAME.PROCESS-NUMBER.partial`. Versions before 0.2 lock none of theirs: where another process has that number
+/// now, they do not count.
+pub(super) fn leftovers(folder: &Path, name: &Path) -> Vec<PathBuf> {
+    let (start, old) = (beside(name, ""), beside(name, OLD));
+    let is_left = |file_name: &OsString| {
+        let rest = file_name.as_encoded_bytes().strip_prefix(start.as_encoded_bytes());
+        let process = rest.and_then(|rest| rest.strip_suffix(b".partial")).and_then(process_of);
+        *file_name == old || process.is_some_and(|process| !is_another_process(process))
+    };
+    let names = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    names.filter(is_left).map(|file_name| folder.join(file_name)).collect()
 }
 
 /// Returns the first of two numbers with a hyphen between them; `None` for any other text.

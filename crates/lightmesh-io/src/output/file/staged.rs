@@ -11,7 +11,7 @@ use tempfile::SpooledTempFile;
 use super::{
     destination::{Destination, folder_of},
     fault::{self, Step},
-    partial::{Leftovers, Partial, Refusal, remove_leftovers},
+    partial::{Leftovers, Partial, Refusal, leftovers, remove_leftovers},
     stream::Stream,
 };
 use crate::error::{Error, one_line};
@@ -142,16 +142,19 @@ impl StagedFile {
         Self::create(&name)
     }
 
-    /// Returns the path of the content until it is committed; `None` if it grows under no name, or if there still is a
-    /// [`Self::leftover`] of that name.
+    /// Returns the path of the content until it is committed; `None` if it grows under no name, or if there still is one
+    /// of the [`Self::leftovers`] of that name.
     pub fn temporary(&self) -> Option<&Path> {
         self.partial().filter(|partial| !partial.is_leftover).map(|partial| partial.path.as_path())
     }
 
-    /// Returns the path of a file that had the temporary's name before and has no writer: it stays until this one is
-    /// [renewed](Self::renewed) or written to.
-    pub fn leftover(&self) -> Option<&Path> {
-        self.partial().filter(|partial| partial.is_leftover).map(|partial| partial.path.as_path())
+    /// Returns the paths of files beside the target that have no writer and the names of temporaries: they stay until this
+    /// one is [renewed](Self::renewed).
+    pub fn leftovers(&self) -> Vec<PathBuf> {
+        let Place::Replaced { partial, target } = &self.place else { return Vec::new() };
+        let own = partial.iter().filter(|partial| partial.is_leftover).map(|partial| partial.path.clone());
+        let others = target.file_name().map(|name| leftovers(folder_of(target), Path::new(name)));
+        own.chain(others.into_iter().flatten()).collect()
     }
 
     pub(super) fn partial(&self) -> Option<&Partial> {
@@ -163,7 +166,7 @@ impl StagedFile {
 
     /// Makes it a file of its own if there was one of the temporary's name.
     fn replace_leftover(&mut self) -> io::Result<()> {
-        if self.leftover().is_some() {
+        if self.partial().is_some_and(|partial| partial.is_leftover) {
             let target = self.name.clone();
             // Unlock what was there, so that it can be removed.
             self.writer = None;
