@@ -7,6 +7,7 @@ mod args;
 mod camera_choice;
 mod compare;
 mod completions;
+mod denoise;
 mod environment;
 mod error_report;
 mod exit;
@@ -36,6 +37,7 @@ pub use crate::{
     },
     camera_choice::{choose as choose_camera, height_for},
     compare::visible_difference,
+    denoise::{Denoise, no_noise_message},
     environment::{FirstLit, add_first_light, apply as apply_environment, read as read_environment},
     settings::json as settings_json,
     stats::{MeshesStats, Stats, WorkStats, non_finite_message},

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
 use lightmesh::{Camera, Environment, LightMesh, Limits, Progress, RenderOptions, RenderStats, Scene, SceneData};
+use lightmesh_denoise::{Error as DenoiseError, Places};
 use lightmesh_io::{
     MeshFile, Provenance,
     output::{Metadata, Precision},
@@ -12,7 +13,9 @@ use lightmesh_io::{
 use crate::{
     SOFTWARE,
     args::{EmitterArgs, RenderArgs},
-    camera_choice, environment, error_report,
+    camera_choice,
+    denoise::{Denoise, no_noise_message},
+    environment, error_report,
     exit::Failure,
     interrupt,
     outputs::{self, Outputs},
@@ -29,14 +32,16 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let warn = |message: &str| warn(args, message);
 
     // Refuse what can be refused before any work.
-    let options = args.options()?;
+    let mut options = args.options()?;
     let surroundings = args.surroundings();
+    let wants_layers = !options.picture.aovs.is_empty();
+    let denoise = if args.denoise { prepare_denoise(&mut options, warn)? } else { None };
     if args.chosen.get("size").is_some() {
-        check_memory(args, &options)?;
+        check_memory(args, &options, denoise.as_ref(), 0)?;
     }
     interrupt::listen();
     let outputs = Outputs::check(args, &surroundings)?;
-    if !options.picture.aovs.is_empty() && !outputs.has_exr() {
+    if wants_layers && !outputs.has_exr() {
         return Err(Failure::Input(anyhow!("--aov: layers need an .exr file to be written to; a .png has none")));
     }
     for (option, file) in [("mesh", &args.mesh), ("save-mesh", &args.save_mesh)] {
@@ -47,13 +52,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 
     // Start the threads, and work on them.
     let pool = threads::start(surroundings.threads, warn)?;
-    pool.install(|| render(args, options, &surroundings.emitters, outputs, start))
+    pool.install(|| render(args, options, denoise.as_ref(), &surroundings.emitters, outputs, start))
 }
 
 /// Reads the scene, renders the picture and writes the files.
 fn render(
     args: &RenderArgs,
     mut options: RenderOptions,
+    denoise: Option<&Denoise>,
     emitters: &EmitterArgs,
     mut outputs: Outputs,
     start: Instant,
@@ -92,15 +98,19 @@ fn render(
     if !has_size {
         options.picture.height = camera_choice::height_for(&camera, options.picture.width);
     }
-    check_memory(args, &options)?;
+    check_memory(args, &options, denoise, scene.bytes())?;
+    // Layers that only denoising needs are no setting of the picture.
+    let kept = denoise.map_or(options.picture.aovs, Denoise::kept);
+    let shown = options.clone().with(|o| o.picture.aovs = kept);
     let mut metadata = Metadata {
         software: SOFTWARE.to_owned(),
         method: options.method.to_string(),
         scene: args.scene.display().to_string(),
-        settings: settings::json(&options, emitters, load_options.units, &camera.name),
+        settings: settings::json(&shown, emitters, load_options.units, &camera.name),
         seconds: 0.0,
         estimated_error: None,
         spp: options.picture.spp,
+        denoised: None,
         camera,
     };
     let mut mesh = match known {
@@ -108,9 +118,22 @@ fn render(
         Some((path, file)) => file.into_mesh(path, &scene, &options).map_err(Failure::input)?,
     };
 
-    // Render, with a preview if one is wanted.
-    let mut render =
-        |progress: &dyn Progress| lightmesh::render(&scene, &metadata.camera, &options, &mut mesh, progress);
+    // Render and take the noise out, with a preview if one is wanted.
+    let mut render = |progress: &dyn Progress| {
+        let mut frame = lightmesh::render(&scene, &metadata.camera, &options, &mut mesh, progress)?;
+        let denoised = denoise.map(|denoise| {
+            bar.spin("denoising");
+            denoise.apply(&mut frame, &scene, &options, progress).map_err(|error| match error {
+                DenoiseError::Cancelled => Failure::Interrupted,
+                other => Failure::work(other),
+            })
+        });
+        let denoised = denoised.transpose()?.flatten();
+        if let (Some(viewer), Some(_)) = (progress.viewer(), &denoised) {
+            viewer.show(frame.image.clone());
+        }
+        Ok::<_, Failure>((frame, denoised))
+    };
     let frame = match &args.preview {
         None => render(&bar),
         Some(path) => {
@@ -120,7 +143,11 @@ fn render(
         }
     };
     bar.clear();
-    let frame = frame?;
+    let (frame, denoised) = frame?;
+    if denoise.is_some() && denoised.is_none() {
+        warn(&no_noise_message(options.method));
+    }
+    metadata.denoised.clone_from(&denoised);
     (metadata.seconds, metadata.spp) = (frame.stats.seconds.render, frame.stats.spp);
     metadata.estimated_error = frame.stats.estimated_error;
     stop_if_interrupted()?;
@@ -132,7 +159,7 @@ fn render(
     let pictures = outputs.stage_pictures(&frame, ev, precision, &metadata)?;
     let provenance = Provenance { software: SOFTWARE, method: &metadata.method, settings: &metadata.settings };
     let mesh_file = outputs.stage_mesh(|| MeshFile::new(&scene, &options, &mesh, provenance))?;
-    let stats = Stats::new(metadata.scene, &scene, &options, &frame.stats);
+    let stats = Stats::new(metadata.scene, &scene, &options, &frame.stats).with_denoised(metadata.denoised.as_ref());
     let stats = stats.with_seconds(load, build, output_start.elapsed(), start.elapsed());
     let json = serde_json::to_string_pretty(&stats).context("statistics").map_err(Failure::Work)?;
     let stats_file = outputs.stage_stats(&(json + "\n"))?;
@@ -143,6 +170,7 @@ fn render(
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|path| path.display().to_string()).collect();
         let exposure = if outputs.has_png() { format!(", exposure {ev} EV") } else { String::new() };
+        let denoising = denoised.map_or(String::new(), |denoised| format!(", {:.2} s denoising", denoised.seconds));
         if let Some(limit) = options.picture.time_limit {
             terminal::note(&samples_in_time(limit, &frame.stats));
         }
@@ -153,7 +181,7 @@ fn render(
             terminal::note(&note);
         }
         terminal::note(&format!(
-            "{} in {:.2} s ({:.2} s of it rendering){exposure}",
+            "{} in {:.2} s ({:.2} s of it rendering{denoising}){exposure}",
             names.join(", "),
             start.elapsed().as_secs_f64(),
             frame.stats.seconds.render
@@ -177,13 +205,28 @@ fn warn(args: &RenderArgs, message: &str) {
     }
 }
 
-/// Refuses a picture that memory does not hold, with what looks at it.
-fn check_memory(args: &RenderArgs, options: &RenderOptions) -> Result<(), Failure> {
+/// Loads the denoiser before there is work that would be lost without it; warns if the method makes no noise.
+fn prepare_denoise(options: &mut RenderOptions, warn: impl Fn(&str)) -> Result<Option<Denoise>, Failure> {
+    let denoise = Denoise::prepare(&Places::of_process(), options).map_err(Failure::input)?;
+    if denoise.is_none() {
+        warn(&no_noise_message(options.method));
+    }
+    Ok(denoise)
+}
+
+/// Refuses a picture that memory does not hold, with what looks at it and what takes its noise out, beside the
+/// `scene_bytes` of its scene.
+fn check_memory(
+    args: &RenderArgs,
+    options: &RenderOptions,
+    denoise: Option<&Denoise>,
+    scene_bytes: u64,
+) -> Result<(), Failure> {
     match args.preview {
         Some(_) => options.check_viewed_picture_memory()?,
         None => options.check_picture_memory()?,
     }
-    Ok(())
+    denoise.map_or(Ok(()), |denoise| denoise.check_memory(options, scene_bytes)).map_err(Failure::input)
 }
 
 /// Describes how many samples a time limit allowed.

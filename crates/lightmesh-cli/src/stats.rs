@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use lightmesh::{ErrorEstimate, Image, LightMesh, MeshStats, RayCounts, RenderOptions, RenderStats, Scene};
+use lightmesh_io::output::Denoised;
 use serde::Serialize;
 
 /// The whole document; keys in this order.
@@ -30,6 +31,8 @@ pub struct Stats {
     error_estimate: Option<ErrorStats>,
     /// Pixels that were infinite or not a number, and are black.
     non_finite_pixels: u64,
+    /// The library, with its version, that took the picture's noise out, with `--denoise`.
+    denoiser: Option<String>,
     /// The most memory that the process has held; `null` where the system does not tell.
     peak_memory_bytes: Option<u64>,
 }
@@ -56,8 +59,16 @@ impl Stats {
             estimated_error: frame.estimated_error,
             error_estimate: frame.error_estimate.map(Into::into),
             non_finite_pixels: frame.non_finite_pixels,
+            denoiser: None,
             peak_memory_bytes: peak_memory_bytes(),
         }
+    }
+
+    /// Adds what took the noise out, and how long that took.
+    pub fn with_denoised(mut self, denoised: Option<&Denoised>) -> Self {
+        self.denoiser = denoised.map(|denoised| denoised.by.clone());
+        self.seconds.denoise = denoised.map_or(0.0, |denoised| denoised.seconds);
+        self
     }
 
     /// Adds the times around the render: reading, building, writing, and all together.
@@ -121,6 +132,7 @@ struct SecondsStats {
     fill_indirect: f64,
     shade: f64,
     render: f64,
+    denoise: f64,
     output: f64,
     total: f64,
 }
@@ -138,6 +150,7 @@ impl SecondsStats {
             fill_indirect: s.fill_indirect,
             shade: s.shade,
             render: s.render,
+            denoise: 0.0,
             output: 0.0,
             total: 0.0,
         }

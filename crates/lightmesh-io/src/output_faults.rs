@@ -58,6 +58,7 @@ fn write_all(folder: &Path, mesh: &MeshFile, picture: &Image) -> Result<(), Erro
         seconds: 0.0,
         estimated_error: None,
         spp: 1,
+        denoised: None,
         camera: camera(),
     };
     let paths: Vec<PathBuf> = OUTPUTS.iter().map(|name| folder.join(name)).collect();

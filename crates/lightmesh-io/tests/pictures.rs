@@ -30,6 +30,7 @@ fn metadata() -> Metadata {
         seconds: 0.5,
         estimated_error: Some(0.03),
         spp: 4,
+        denoised: None,
         camera: Camera::look_at(Vec3::new(3.0, 2.0, 5.0), Vec3::ZERO, 0.7),
     }
 }

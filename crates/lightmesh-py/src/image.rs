@@ -59,6 +59,7 @@ impl PyImage {
             seconds: 0.0,
             estimated_error: None,
             spp: 0,
+            denoised: None,
             camera: Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, 1.0),
         };
         Ok(Self {
@@ -229,6 +230,7 @@ pub(crate) fn metadata(
         seconds: 0.0,
         estimated_error: None,
         spp: options.picture.spp,
+        denoised: None,
         camera: camera.clone(),
     }
 }

@@ -31,6 +31,7 @@ fn panel(label: &str, image: &Image, ev: f32) -> Result<Panel, Error> {
         seconds: 0.0,
         estimated_error: None,
         spp: 1,
+        denoised: None,
         camera: Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, 1.0),
     };
     let mut png = Vec::new();

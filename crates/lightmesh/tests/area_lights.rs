@@ -4,11 +4,11 @@
 use std::f32::consts::PI;
 
 use crate::common::*;
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use lightmesh::geometry::Sphere;
 use lightmesh::{
-    Camera, EmitterOptions, Filter, ImageData, Material, Method, Scene, SceneData, Spacing, Texels, Texture,
-    TextureRef, UvTransform, Wrap,
+    Camera, EmitterOptions, Environment, Filter, ImageData, Light, Material, Method, Scene, SceneData, Spacing, Texels,
+    Texture, TextureRef, UvTransform, Wrap,
 };
 
 const METHODS: [Method; 3] = [Method::Standard, Method::MESH, Method::Path];
@@ -51,6 +51,24 @@ fn below_rectangle(a: f32, b: f32, h: f32) -> f32 {
     let (a, b) = (a / 2.0 / h, b / 2.0 / h);
     let (p, q) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
     4.0 * 0.5 * (a / p * (b / p).atan() + b / q * (a / q).atan())
+}
+
+/// Emission that is sampled, an environment and punctual lights with a radius have a size; points have none.
+#[test]
+fn lights_with_a_size_are_known() {
+    let has = |light_radius: f32, change: fn(&mut SceneData)| {
+        let mut data = SceneData::default();
+        hang(&mut data, Material::lambert(Vec3::splat(0.5)), 0.0, 1.0, 1.0);
+        data.lights.push(Light::Point { position: Vec3::Y, intensity_cd: Vec3::ONE, range: None });
+        change(&mut data);
+        let emitters = EmitterOptions { light_radius, ..EmitterOptions::default() };
+        Scene::with_emitters(data, &emitters).expect("a scene").has_lights_with_size()
+    };
+    assert!(!has(0.0, |_| {}));
+    assert!(has(0.1, |_| {}));
+    assert!(has(0.0, |data| data.environment =
+        Some(Environment { map: None, radiance: Vec3::ONE, world_from_map: Quat::IDENTITY })));
+    assert!(has(0.0, |data| hang(data, lamp(100.0), 2.0, 1.0, 1.0)));
 }
 
 /// Within 2%, 1% for paths: far from the lamp and a quarter of its width below it.

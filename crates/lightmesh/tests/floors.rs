@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The files and folders of each crate's `src`, from the ground up: each may import only those before it.
-const FLOORS: [(&str, &[&str]); 5] = [
+const FLOORS: [(&str, &[&str]); 6] = [
     (
         "lightmesh",
         &[
@@ -61,6 +61,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
             "output_faults",
         ],
     ),
+    ("lightmesh-denoise", &["error", "search", "library", "denoiser", "testing", "noise", "picture"]),
     (
         "lightmesh-reproduce",
         &["error", "watcher", "report", "scenes", "lab", "penumbra", "picture", "plot", "experiments", "files", "page"],
@@ -78,6 +79,7 @@ const FLOORS: [(&str, &[&str]); 5] = [
             "environment",
             "settings",
             "stats",
+            "denoise",
             "error_report",
             "progress",
             "outputs",

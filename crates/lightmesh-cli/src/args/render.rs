@@ -47,6 +47,10 @@ pub(crate) struct RenderArgs {
     /// Exit with 3 where --error is not kept; the picture is written all the same
     #[arg(long, help_heading = "Output")]
     pub(crate) strict: bool,
+    /// Take the noise out of the finished picture with Open Image Denoise (docs/denoising.md), which is installed apart, as by
+    /// `pip install pyoidn`; the picture is then not bit for bit the same on every machine
+    #[arg(long, help_heading = "Output")]
+    pub(crate) denoise: bool,
     /// Say nothing but errors
     #[arg(long, short, help_heading = "Output")]
     pub(crate) quiet: bool,

@@ -19,6 +19,7 @@ fn picture(place: &Place, name: &str, width: u32, value: f32) {
         seconds: 0.0,
         estimated_error: None,
         spp: 1,
+        denoised: None,
         camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.7),
     };
     let file = BufWriter::new(File::create(place.path(name)).unwrap());

@@ -2,6 +2,7 @@
 
 mod aov;
 mod compare;
+mod denoise;
 mod docs;
 mod environment;
 mod exposure;

@@ -67,7 +67,13 @@ impl Place {
 
     /// Runs a line such as `render scene.gltf -o a.png` here; words are separated by spaces.
     pub(crate) fn run(&self, line: &str) -> Run {
+        self.run_with(&[], line)
+    }
+
+    /// The same with variables of the environment.
+    pub(crate) fn run_with(&self, variables: &[(&str, &str)], line: &str) -> Run {
         let mut command = Command::cargo_bin("lightmesh").unwrap();
+        command.envs(variables.iter().copied());
         let output = command.current_dir(self.folder.path()).args(line.split_whitespace()).output().unwrap();
         Run { line: line.to_owned(), output }
     }

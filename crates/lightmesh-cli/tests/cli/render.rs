@@ -24,6 +24,7 @@ fn a_picture_is_written_in_both_formats_with_statistics() {
     {
         assert!(stats["seconds"][key].is_number(), "{key}");
     }
+    assert!(stats["seconds"]["denoise"] == 0.0 && stats["denoiser"].is_null());
     for key in ["primary", "shadow", "gather", "secondary"] {
         assert!(stats["rays"][key].is_u64(), "{key}");
     }

@@ -29,7 +29,7 @@ pub enum Precision {
 ///
 /// Beside the standard attributes (`chromaticities` Rec. 709 with D65, `whiteLuminance` 1 because the values are cd/m²,
 /// `software`, `worldToCamera`, `worldToNDC`, `screenWindowWidth`) it carries `method`, `scene`, `settings` (JSON),
-/// `renderSeconds` and `samplesPerPixel`.
+/// `renderSeconds` and `samplesPerPixel`; and `denoiser` and `denoiseSeconds` where its noise was taken out.
 ///
 /// # Errors
 /// What `out` answers.
@@ -82,6 +82,10 @@ fn attributes(image: &Image, metadata: &Metadata) -> LayerAttributes {
     attributes.other.extend(own.map(|(name, value)| (text(name), value)));
     if let Some(error) = metadata.estimated_error {
         attributes.other.insert(text("estimatedError"), AttributeValue::F64(error));
+    }
+    if let Some(denoised) = &metadata.denoised {
+        attributes.other.insert(text("denoiser"), AttributeValue::Text(text(&denoised.by)));
+        attributes.other.insert(text("denoiseSeconds"), AttributeValue::F64(denoised.seconds));
     }
     attributes
 }

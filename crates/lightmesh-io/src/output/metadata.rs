@@ -19,6 +19,17 @@ pub struct Metadata {
     pub estimated_error: Option<f64>,
     /// Samples per pixel.
     pub spp: u32,
+    /// How its noise was taken out; `None`: it was not.
+    pub denoised: Option<Denoised>,
     /// The camera that took the picture.
     pub camera: Camera,
+}
+
+/// How the noise of a picture was taken out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Denoised {
+    /// The library and its version, as in `Open Image Denoise 2.3.1`.
+    pub by: String,
+    /// How long it took.
+    pub seconds: f64,
 }

@@ -5,7 +5,7 @@
 //! | values | exposed, tone mapped, sRGB; unlit colours as they are | linear cd/m² |
 //! | bits per channel | 8, dithered | 32-bit float, or 16-bit |
 //! | layers | none | those of the frame, beside the light |
-//! | carries | program, method, scene, settings, exposure | the same, seconds, samples, estimated error, camera matrices |
+//! | carries | program, method, scene, settings, exposure, denoiser | the same, seconds, samples, estimated error, camera matrices |
 //!
 //! A PNG depends on the picture and the settings alone, so that equal renders are equal files; the seconds that a
 //! render took stand in the EXR.
@@ -28,7 +28,7 @@ pub use self::{
     exr::{Precision, write_exr},
     file::{Batch, StagedFile, claim, is_same_file},
     format::Format,
-    metadata::Metadata,
+    metadata::{Denoised, Metadata},
     png::write_png,
     tone_map::{expose, tone_map},
 };

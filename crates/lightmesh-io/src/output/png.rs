@@ -25,7 +25,8 @@ pub fn write_png(out: impl Write, image: &Image, ev: f32, metadata: &Metadata) -
         ("Settings", metadata.settings.clone()),
         ("Exposure", format!("{ev} EV")),
     ];
-    for (keyword, text) in texts {
+    let denoiser = metadata.denoised.iter().map(|denoised| ("Denoiser", denoised.by.clone()));
+    for (keyword, text) in texts.into_iter().chain(denoiser) {
         encoder.add_itxt_chunk(keyword.to_owned(), text)?;
     }
 

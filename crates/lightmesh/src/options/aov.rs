@@ -123,7 +123,7 @@ impl Aovs {
     }
 
     /// Memory that collecting them takes, bytes per pixel.
-    pub(crate) fn bytes_per_pixel(self) -> u64 {
+    pub fn bytes_per_pixel(self) -> u64 {
         let collected = self.with_sources();
         let channels: usize = collected.iter().map(|aov| aov.channels().len()).sum();
         (channels + usize::from(collected.contains(Aov::Depth))) as u64 * size_of::<f32>() as u64

@@ -175,6 +175,13 @@ impl Scene {
         self.emitters.all().len() as u64
     }
 
+    /// Whether any light has a size: emission that is sampled, an environment, or punctual lights with a radius. Shadow
+    /// rays then go to random points of it.
+    pub fn has_lights_with_size(&self) -> bool {
+        let has_balls = self.emitters.light_radius > 0.0 && !self.data.lights.is_empty();
+        has_balls || self.has_visible_emitters()
+    }
+
     /// The emitters and their samples.
     pub(crate) fn emitters(&self) -> &Emitters {
         &self.emitters
