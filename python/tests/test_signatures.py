@@ -15,7 +15,7 @@ from lightmesh import LightMesh, OptionError, Scene
 from lightmesh._native import _options
 
 #: What Python has beside the options.
-OWN = {"self", "camera", "cameras", "mesh", "progress"}
+OWN = {"self", "camera", "cameras", "denoise", "mesh", "progress"}
 
 
 def defaults(function: object) -> dict[str, object]:
@@ -38,9 +38,10 @@ def test_signatures_have_the_options_and_defaults_of_the_table() -> None:
     assert set(mesh) == set(table) | {"cameras"}
     meters = defaults(Scene.irradiance)
     assert set(render) - set(meters) == {
-        "camera", "size", "aov", "cutoff", "time_limit", "error", "refine", "lod_distance"
+        "camera", "denoise", "size", "aov", "cutoff", "time_limit", "error", "refine", "lod_distance"
     }  # fmt: skip
     for chosen in (render, mesh, meters):
+        assert chosen.pop("denoise", False) is False
         for name, default in chosen.items():
             assert same(default, table.get(name)), (name, default, table.get(name))
     # A loaded mesh has the options of its file.

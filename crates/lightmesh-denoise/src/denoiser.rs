@@ -50,24 +50,24 @@ impl Denoiser {
     pub fn load_from(places: &Places) -> Result<Self, Error> {
         let mut tried = Vec::new();
         for candidate in places.candidates() {
-            let (name, what) = match candidate {
-                Candidate::Without(folder) => {
-                    (folder, "there is no such file, and no library in a folder of this name".to_owned())
-                }
+            // A file that is there and cannot be used is told with its fault, all others by their names.
+            let (path, fault) = match candidate {
+                Candidate::Without(folder) => (folder, None),
                 Candidate::File(file) => match Self::open(file.as_os_str()) {
                     Ok(denoiser) => return Ok(denoiser),
-                    Err(what) => (file, what),
+                    Err(fault) => (file, Some(fault)),
                 },
                 Candidate::System(name) => match Self::open(OsStr::new(name)) {
                     Ok(denoiser) => return Ok(denoiser),
-                    // The loader's own message says no more than that there is none.
-                    Err(_) => (PathBuf::from(name), "the system has none".to_owned()),
+                    Err(_) => (PathBuf::from(name), None),
                 },
             };
             if places.named.is_some() {
-                return Err(Error::Named { path: name, what });
+                let nothing = || "there is no such file, and no library in a folder of this name".to_owned();
+                return Err(Error::Named { path, what: fault.unwrap_or_else(nothing) });
             }
-            tried.push(format!("{} ({what})", name.display()));
+            let fault = fault.map_or(String::new(), |fault| format!(" ({fault})"));
+            tried.push(format!("{}{fault}", path.display()));
         }
         Err(Error::NotFound { tried })
     }

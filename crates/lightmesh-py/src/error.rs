@@ -76,6 +76,19 @@ impl Raise for lightmesh::Error {
     }
 }
 
+impl Raise for lightmesh_denoise::Error {
+    fn raise(self, py: Python<'_>) -> PyErr {
+        use lightmesh_denoise::Error;
+        let message = self.to_string();
+        match self {
+            Error::OutOfMemory { .. } => memory(py, without_dashes(&message)),
+            Error::MissingLayers { .. } => option(py, message),
+            Error::Cancelled => PyKeyboardInterrupt::new_err(()),
+            _ => general(py, message),
+        }
+    }
+}
+
 impl Raise for lightmesh_io::Error {
     fn raise(self, py: Python<'_>) -> PyErr {
         use lightmesh_io::Error;

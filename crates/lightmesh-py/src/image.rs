@@ -3,10 +3,12 @@
 use std::io::{self, Cursor};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
-use lightmesh::{Camera, Frame, Image, Layer, RenderOptions};
+use lightmesh::{Aov, Aovs, Camera, Frame, Image, Layer, Method, RenderOptions, Scene};
 use lightmesh_cli::{EmitterArgs, Exposure, SOFTWARE, parse_exposure, settings_json};
-use lightmesh_io::output::{Format, Metadata, Precision, StagedFile, write_exr, write_png};
+use lightmesh_denoise::{Denoiser, DenoisingBytes, Resources, denoise_picture, layers_to_denoise, noisy_layers};
+use lightmesh_io::output::{Denoised, Format, Metadata, Precision, StagedFile, write_exr, write_png};
 use lightmesh_io::{Encoding, Picture, Units};
 use pyo3::exceptions::PyTypeError;
 use pyo3::exceptions::PyValueError;
@@ -16,11 +18,12 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::error::{self, Raise};
 use crate::view::{self, Keeps};
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{json, keywords, output, pool};
+use crate::{denoise, json, keywords, output, pool};
 
 /// A picture: numpy.asarray(image) is its linear light, float32, (H, W, 3), cd/m² per channel of RGB, without a copy
 /// and not to be written to; row 0 is the uppermost. Notebooks show it exposed and tone mapped.
 #[pyclass(name = "Image", module = "lightmesh", frozen)]
+#[derive(Clone)]
 pub(crate) struct PyImage {
     pub(crate) picture: Picture,
     layers: Vec<Layer>,
@@ -31,6 +34,26 @@ pub(crate) struct PyImage {
     stats: String,
     /// The files of its scene.
     scene_files: Arc<[PathBuf]>,
+    /// `None` for a picture from a file.
+    noise: Option<Noise>,
+}
+
+/// What is known of a picture's noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Noise {
+    method: Method,
+    /// The layers that have it.
+    layers: Aovs,
+    /// The limit that the picture was rendered with, bytes.
+    max_memory: u64,
+}
+
+impl Noise {
+    /// Returns what is known of pictures with these options.
+    pub(crate) fn of(options: &RenderOptions, scene: &Scene) -> Self {
+        let layers = noisy_layers(options.method, scene.has_lights_with_size());
+        Self { method: options.method, layers, max_memory: options.limits.max_memory }
+    }
 }
 
 impl Keeps for PyImage {
@@ -69,6 +92,7 @@ impl PyImage {
             has_camera: false,
             stats: String::new(),
             scene_files: Arc::default(),
+            noise: None,
         })
     }
 
@@ -115,6 +139,68 @@ impl PyImage {
     fn exposure(&self) -> f64 {
         // A multiple of 0.01 in either precision.
         (f64::from(Exposure::Auto.for_picture(&self.picture.image)) * 100.0).round() / 100.0
+    }
+
+    /// The picture without its noise, by Open Image Denoise (pip install pyoidn), as a new one; an Error where that is not
+    /// installed. It is not bit for bit the same on every machine. What has no noise stays as it is: the picture needs the
+    /// layers that tell what has, aov=["albedo", "normal", "direct", "indirect"], or is an OptionError; Scene.render with
+    /// denoise=True needs none. A picture by a method without noise is returned as it is, with a RuntimeWarning.
+    ///
+    /// threads: None: as many as renders have.
+    #[pyo3(signature = (*, threads=None))]
+    fn denoise(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<Self> {
+        // Refuse what cannot be denoised.
+        let Some(noise) = self.noise else {
+            return Err(error::option(
+                py,
+                "denoise: a picture that was read from a file has no layers to denoise it by",
+            ));
+        };
+        if let Some(denoised) = &self.metadata.denoised {
+            return Err(error::option(py, format!("denoise: {} has denoised this picture already", denoised.by)));
+        }
+        if noise.layers.is_empty() {
+            denoise::warn_of_no_noise(py, noise.method)?;
+            return Ok(self.clone());
+        }
+        let has = |aov: Aov| self.layers.iter().any(|layer| layer.aov == aov);
+        let needed = layers_to_denoise(noise.layers);
+        if !needed.iter().all(has) {
+            let spelled = |aovs: &mut dyn Iterator<Item = Aov>| {
+                aovs.map(|aov| format!("\"{}\"", aov.name())).collect::<Vec<_>>().join(", ")
+            };
+            let (missing, all) = (spelled(&mut needed.iter().filter(|&aov| !has(aov))), spelled(&mut needed.iter()));
+            let message = format!(
+                "denoise: the picture lacks the layers {missing}: render it with aov=[{all}], or with denoise=True"
+            );
+            return Err(error::option(py, message));
+        }
+
+        // Load the library and check memory.
+        let denoiser = Denoiser::load_from(&denoise::places(py)?).map_err(|error| error.raise(py))?;
+        let bytes =
+            DenoisingBytes::of(self.width(), self.height(), self.layers.iter().map(|layer| layer.aov).collect());
+        let needed_bytes = bytes.picture.saturating_add(bytes.library);
+        if needed_bytes > noise.max_memory {
+            let error = lightmesh_denoise::Error::OutOfMemory { needed_bytes, limit_bytes: noise.max_memory };
+            return Err(error.raise(py));
+        }
+        let max_memory = noise.max_memory - bytes.picture;
+
+        // Denoise a copy on a thread of its own.
+        let mut image = self.clone();
+        let work = move |watch: &Watch| {
+            let started = Instant::now();
+            let resources = Resources { threads: rayon::current_num_threads(), max_memory };
+            denoise_picture(&denoiser, &mut image.picture.image, &image.layers, noise.layers, resources, watch)?;
+            let denoised = Denoised { by: denoiser.name(), seconds: started.elapsed().as_secs_f64() };
+            Ok::<_, lightmesh_denoise::Error>((image, denoised))
+        };
+        let (mut image, denoised) =
+            work::run(py, threads, None, AtInterrupt::Wait, work)?.map_err(|error| error.raise(py))?;
+        image.stats = json::with_denoised(&image.stats, &denoised)?;
+        image.metadata.denoised = Some(denoised);
+        Ok(image)
     }
 
     /// Writes the picture: .png, exposed, tone mapped and sRGB, or .exr, linear light and layers. The file appears
@@ -192,7 +278,13 @@ impl PyImage {
 
 impl PyImage {
     /// Wraps a finished picture, with its statistics as JSON.
-    pub(crate) fn of_frame(frame: Frame, metadata: Metadata, stats: String, scene_files: Arc<[PathBuf]>) -> Self {
+    pub(crate) fn of_frame(
+        frame: Frame,
+        metadata: Metadata,
+        stats: String,
+        scene_files: Arc<[PathBuf]>,
+        noise: Noise,
+    ) -> Self {
         let metadata = Metadata {
             seconds: frame.stats.seconds.render,
             spp: frame.stats.spp,
@@ -200,7 +292,7 @@ impl PyImage {
             ..metadata
         };
         let picture = Picture { image: frame.image, encoding: Encoding::SceneLinear };
-        Self { picture, layers: frame.layers, metadata, has_camera: true, stats, scene_files }
+        Self { picture, layers: frame.layers, metadata, has_camera: true, stats, scene_files, noise: Some(noise) }
     }
 
     fn rows_and_columns(&self) -> (usize, usize) {

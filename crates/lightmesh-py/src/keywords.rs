@@ -127,7 +127,7 @@ fn spells(about: &About, name: &str) -> bool {
 /// Returns the error for a name that is no option, with the one that was most likely meant.
 fn unknown(function: &str, missing: &[&str], name: &str) -> PyErr {
     let names: Vec<String> = choices().iter().map(|choice| choice.about.python_name()).collect();
-    let others = ["camera", "mesh", "progress"];
+    let others = ["camera", "mesh", "progress"].into_iter().chain((function == "render").then_some("denoise"));
     let known = names.iter().map(String::as_str).chain(others).filter(|name| !missing.contains(name));
     let meant = closest(name, known).map_or(String::new(), |name| format!("; did you mean '{name}'?"));
     PyTypeError::new_err(format!("{function}() got an unexpected keyword argument '{name}'{meant}"))

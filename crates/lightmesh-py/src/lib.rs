@@ -6,6 +6,7 @@ mod arrays;
 mod bricks;
 mod built;
 mod camera;
+mod denoise;
 mod error;
 mod gathering;
 mod image;

@@ -12,7 +12,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::bricks::BrickArrays;
 use crate::error::Raise;
 use crate::gathering::PyGathering;
-use crate::image::{PyImage, metadata};
+use crate::image::{Noise, PyImage, metadata};
 use crate::job::{Job, JobError};
 use crate::light_mesh::{self, PyLightMesh};
 use crate::portions::{from_dict, outlines_of, samples, to_dict};
@@ -259,7 +259,8 @@ impl PyPictureJob {
             serde_json::to_string(&stats)
         })?;
         let metadata = metadata(&job.name, &job.options, &job.emitters, job.units, &job.camera);
-        Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&job.files)))
+        let noise = Noise::of(&job.options, &job.built.scene);
+        Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&job.files), noise))
     }
 
     fn __repr__(&self) -> String {

@@ -4,16 +4,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use lightmesh::{Camera, Frame, LightMesh};
-use lightmesh_cli::{Stats, non_finite_message};
+use lightmesh_cli::{Denoise, Stats, non_finite_message};
 use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 
 use crate::error::Raise;
-use crate::image::{PyImage, metadata};
+use crate::image::{Noise, PyImage, metadata};
 use crate::light_mesh::PyLightMesh;
 use crate::scene::{LitScene, PyScene};
 use crate::work::{self, AtInterrupt, Watch};
-use crate::{json, shared_mesh};
+use crate::{denoise, json, shared_mesh};
 
 /// Renders on a thread of its own, with a mesh that is kept or with one for this picture only.
 pub(crate) fn render(
@@ -22,15 +22,24 @@ pub(crate) fn render(
     lit: LitScene,
     camera: Camera,
     mesh: Option<&PyLightMesh>,
+    denoise: bool,
     callback: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyImage> {
     let LitScene { keywords, built } = lit;
-    let options = keywords.options(&camera);
-    options.check_picture_memory().map_err(|error| error.raise(py))?;
+    let mut options = keywords.options(&camera);
     let origin = &scene.origin;
-    let metadata = metadata(&origin.name, &options, keywords.emitters(), origin.units, &camera);
+    let mut metadata = metadata(&origin.name, &options, keywords.emitters(), origin.units, &camera);
 
-    // Render, and time it.
+    // Load the denoiser before there is work that would be lost without it, and check memory.
+    let denoise = if denoise { denoise::prepare(py, &mut options)? } else { None };
+    options.check_picture_memory().map_err(|error| error.raise(py))?;
+    if let Some(denoise) = &denoise {
+        denoise.check_memory(&options, built.scene.bytes()).map_err(|error| error.raise(py))?;
+    }
+    let wants_denoised = denoise.is_some();
+    let (method, noise) = (options.method, Noise::of(&options, &built.scene));
+
+    // Render, take the noise out, and time it.
     let (name, load_time) = (origin.name.clone(), origin.load_time);
     let mesh = mesh.map(|mesh| mesh.mesh.clone());
     let work = move |watch: &Watch| {
@@ -41,18 +50,26 @@ pub(crate) fn render(
                 .and_then(|mut mesh| render(&mut mesh)),
             Some(shared) => render(&mut *shared.lock()?),
         };
-        Some(frame.map(|frame| {
+        let finish = |mut frame: Frame| {
+            let apply = |denoise: Denoise| denoise.apply(&mut frame, &built.scene, &options, watch);
+            let denoised = denoise.map(apply).transpose()?.flatten();
             let total = load_time + built.time + started.elapsed();
-            let stats = Stats::new(name, &built.scene, &options, &frame.stats);
+            let stats = Stats::new(name, &built.scene, &options, &frame.stats).with_denoised(denoised.as_ref());
             let stats = stats.with_seconds(load_time, built.time, Duration::ZERO, total);
-            (frame, serde_json::to_string(&stats))
-        }))
+            Ok::<_, lightmesh_denoise::Error>((frame, serde_json::to_string(&stats), denoised))
+        };
+        Some(frame.map(finish))
     };
     let rendered = work::run(py, keywords.threads(), callback, AtInterrupt::Wait, work)?;
 
-    let (frame, stats) = rendered.ok_or_else(|| shared_mesh::in_use(py))?.map_err(|error| error.raise(py))?;
+    let finished = rendered.ok_or_else(|| shared_mesh::in_use(py))?.map_err(|error| error.raise(py))?;
+    let (frame, stats, denoised) = finished.map_err(|error| error.raise(py))?;
     warn_of_non_finite(py, &frame)?;
-    Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&origin.files)))
+    if wants_denoised && denoised.is_none() {
+        denoise::warn_of_no_noise(py, method)?;
+    }
+    metadata.denoised = denoised;
+    Ok(PyImage::of_frame(frame, metadata, json::written(stats)?, Arc::clone(&origin.files), noise))
 }
 
 /// Warns (`RuntimeWarning`) if pixels are black because they were no numbers.

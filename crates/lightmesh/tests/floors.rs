@@ -111,6 +111,7 @@ const FLOORS: [(&str, &[&str]); 6] = [
             "light",
             "material",
             "scene",
+            "denoise",
             "image",
             "meters",
             "mesh_files",

@@ -304,18 +304,21 @@ impl PyScene {
     /// mesh's.
     /// progress: True shows a bar (needs tqdm); or a function of (stage, done, total, rays), which may raise to end the
     /// render.
+    /// denoise: take the noise out with Open Image Denoise (pip install pyoidn), an Error where that is not installed; the
+    /// picture is then not bit for bit the same on every machine. Image.denoise does it later.
     ///
     /// Ctrl-C raises KeyboardInterrupt soon. The picture is the same bit for bit whatever the threads, the progress and
     /// the mesh's past.
     #[pyo3(
-        signature = (*, camera=None, mesh=None, progress=None, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None)"
+        signature = (*, camera=None, mesh=None, progress=None, denoise=false, **options),
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
         camera: Option<&Bound<'_, PyAny>>,
         mesh: Option<&Bound<'_, PyLightMesh>>,
         progress: Option<&Bound<'_, PyAny>>,
+        denoise: bool,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyImage> {
         let (py, scene) = (slf.py(), slf.get());
@@ -323,7 +326,7 @@ impl PyScene {
         let camera = scene_camera(scene.state().data(), camera)?;
         let lit = light_mesh::lit_scene(slf, mesh, &chosen, Some(&camera))?;
         let progress = Listener::new(py, progress)?;
-        let result = render::render(py, scene, lit, camera, mesh.map(Bound::get), progress.callback());
+        let result = render::render(py, scene, lit, camera, mesh.map(Bound::get), denoise, progress.callback());
         progress.close(result)
     }
 
