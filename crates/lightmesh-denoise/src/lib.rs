@@ -22,8 +22,6 @@ mod library;
 mod noise;
 mod picture;
 mod search;
-#[cfg(test)]
-mod testing;
 
 pub use denoiser::{Denoiser, Guides, Resources};
 pub use error::Error;

@@ -157,7 +157,7 @@ fn noise_weight(spread: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{self, with_library};
+    use crate::denoiser::tests::{self, with_library};
 
     const WIDTH: u32 = 64;
     const HEIGHT: u32 = 48;
@@ -181,7 +181,7 @@ mod tests {
 
     /// A number in [0, 1) for each channel of a pixel.
     fn random(pixel: usize) -> Vec3 {
-        Vec3::from_array([0, 1, 2].map(|channel| testing::random(3 * pixel + channel)))
+        Vec3::from_array([0, 1, 2].map(|channel| tests::random(3 * pixel + channel)))
     }
 
     #[test]

@@ -61,7 +61,7 @@ const FLOORS: [(&str, &[&str]); 6] = [
             "output_faults",
         ],
     ),
-    ("lightmesh-denoise", &["error", "search", "library", "denoiser", "testing", "noise", "picture"]),
+    ("lightmesh-denoise", &["error", "search", "library", "denoiser", "noise", "picture"]),
     (
         "lightmesh-reproduce",
         &["error", "watcher", "report", "scenes", "lab", "penumbra", "picture", "plot", "experiments", "files", "page"],
