@@ -5,8 +5,9 @@ use lightmesh::{Aov, Aovs, Method};
 /// Returns the layers of a picture by this method that have noise: the rest of its light is left as it is. None: the
 /// picture has no noise.
 ///
-/// - A mesh has none at a pixel; what its picture has is in the light that gather rays and shadow rays bring, which is
-///   the indirect one. The paper's method reads its mesh for everything.
+/// - A mesh has none at a pixel: what there is comes from gather rays, in the indirect light. `hybrid`, and `mesh` with a
+///   bound on the error, also choose some shadow rays by chance; that noise is left in the direct light, whose shadows
+///   are sharp otherwise. The paper's method reads its mesh for everything.
 /// - `standard` shoots a ray to every light sample: to random points of lights that have a size, to the only point of
 ///   those that have none.
 /// - `unbiased` and `path` take random directions for all light.
