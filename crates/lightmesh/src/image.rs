@@ -62,7 +62,8 @@ pub struct RayCounts {
     pub shadow: u64,
     /// From indirect mesh points, or a path's diffuse bounces.
     pub gather: u64,
-    /// Reflected, refracted and transmitted rays, and rays between mesh points and the surfaces that read them.
+    /// Reflected, refracted and transmitted rays, rays between mesh points and the surfaces that read them, and the short
+    /// rays of [`MeshOptions::near_rays`](crate::MeshOptions::near_rays).
     pub secondary: u64,
 }
 

@@ -3,7 +3,9 @@
 use crate::common::*;
 use glam::Vec3;
 use lightmesh::metrics::difference;
-use lightmesh::{Camera, Frame, Light, LightMesh, Material, Method, RenderOptions, Scene, SceneData, Spacing, render};
+use lightmesh::{
+    Camera, Frame, Light, LightMesh, Material, Meter, Method, RenderOptions, Scene, SceneData, Spacing, measure, render,
+};
 
 fn gi(method: Method, bounces: u32) -> RenderOptions {
     options(method).with(|o| {
@@ -55,6 +57,28 @@ fn a_furnace_with_a_mirror_is_the_same() {
     for pixel in &image.pixels {
         assert!((*pixel / 2.0 - Vec3::ONE).abs().max_element() < 0.02, "{pixel}");
     }
+}
+
+/// At the foot of a black screen, within 15 cm of it, the mesh, whose points are 40 cm apart, gives the floor too much
+/// indirect light; short rays find the shade. Against paths, the mean over meters in front of the middle of the screen.
+#[test]
+fn short_rays_find_the_shade_of_a_screen() {
+    let mut data = room();
+    data.materials.push(Material::lambert(Vec3::ZERO));
+    let black = data.materials.len() - 1;
+    place(&mut data, cuboid(Vec3::new(0.93, 0.0, 0.4), Vec3::new(0.95, 0.9, 1.6), black));
+    let scene = Scene::new(data).expect("scene");
+    let meter = |i: i32| Vec3::new(0.78 + 0.02 * (i % 8) as f32, 0.0, 0.82 + 0.05 * (i / 8) as f32);
+    let meters: Vec<Meter> = (0..64).map(|i| Meter { position: meter(i), normal: Vec3::Y }).collect();
+    let read = |options: &RenderOptions| {
+        let mut mesh = LightMesh::new(&scene, options).expect("mesh");
+        let measured = measure(&scene, &meters, options, &mut mesh, &()).expect("measured");
+        measured.indirect.iter().sum::<Vec3>().element_sum() / 192.0
+    };
+    let truth = read(&gi(Method::Path, 3).with(|o| o.picture.spp = 1024));
+    let off = |near_rays| read(&gi(Method::Hybrid, 3).with(|o| o.mesh.near_rays = near_rays)) / truth - 1.0;
+    let (without, with) = (off(0), off(64));
+    assert!(without > 0.2 && with.abs() < 0.4 * without, "{without} {with}");
 }
 
 /// A convex box of 2 × 2 × 2 m with a lamp in it, solved as radiosity: patches, form factors and Jacobi's iteration.
@@ -232,6 +256,7 @@ fn second_frame(scene: &Scene, bounces: u32) {
     let options = gi(Method::MESH, bounces).with(|o| {
         o.picture.width = 160;
         o.picture.height = 120;
+        o.mesh.near_rays = 0;
     });
     let mut mesh = LightMesh::new(scene, &options).expect("mesh");
     let mut shot = |camera| render(scene, &camera, &options, &mut mesh, &()).expect("frame");

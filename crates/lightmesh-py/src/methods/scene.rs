@@ -290,7 +290,7 @@ impl PyScene {
     /// light_radius: metres, makes lights spheres. Where no light reaches what the camera sees, there is the soft light of
     /// a studio, and in closed rooms a lamp at the camera; environment="black" leaves it dark.
     /// spacing, indirect_spacing: metres, "1/K" of the scene's longest edge, or "auto". gather_rays: at a point of the
-    /// indirect mesh.
+    /// indirect mesh. near_rays: short ones at each pixel, for what is nearer than 1.5 of its spacings.
     /// refine: how often meshes may halve their spacing. lod_distance: metres from the camera within which they are denser.
     /// rays: with method "unbiased". interpolation: "auto", "trilinear", "trilinear:RULE", "nearest", "sphere" or
     /// "sphere:R".
@@ -311,7 +311,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, denoise=false, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
@@ -341,7 +341,7 @@ impl PyScene {
     /// The other options are those of render, but for those of pictures; progress counts meters, with "path" samples.
     #[pyo3(
         signature = (positions, normals, *, mesh=None, progress=None, **options),
-        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory=None, mesh=None, progress=None)"
+        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory=None, mesh=None, progress=None)"
     )]
     fn irradiance<'py>(
         slf: &Bound<'py, Self>,

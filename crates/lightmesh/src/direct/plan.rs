@@ -4,7 +4,7 @@
 use super::per_light::SamplingPolicy;
 use crate::mesh::CornerVisibility;
 use crate::sampling::{fold_seed, hash};
-use crate::{Method, RenderOptions};
+use crate::{Interpolation, Method, RenderOptions};
 
 /// How surfaces get their light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,10 @@ pub(crate) enum Indirect {
     /// Not at all.
     None,
     /// From the indirect mesh: formula (6).
-    Mesh,
+    Mesh {
+        /// Short rays of each hit that correct it where surfaces are near; 0: none.
+        near_rays: u32,
+    },
     /// From gather rays of their own, which read the mesh where they end.
     FinalGather {
         /// Other seeds give other rays.
@@ -69,9 +72,14 @@ impl LightingPlan {
         };
         let indirect = match options.method {
             Method::Unbiased { rays } => Indirect::Unbiased { rays, seed: options.seed },
-            _ => Indirect::Mesh,
+            _ => Indirect::Mesh { near_rays: near_rays(options) },
         };
         Self { primary, gather, indirect }
+    }
+
+    /// Returns the plan for a hit that is the only sample of what it shows.
+    pub(crate) fn of_single_samples(options: &RenderOptions) -> Self {
+        Self::of(&options.clone().with(|o| o.picture.spp = 1))
     }
 
     /// Returns the plan with other random numbers: samples by which something is chosen must not be used again in the
@@ -92,6 +100,13 @@ impl LightingPlan {
             CornerVisibility::Stochastic => self.gather,
         }
     }
+}
+
+/// Returns how many short rays each sample of a pixel gets. The paper's meshes, and those that are read as it tried, are
+/// read as it says.
+fn near_rays(options: &RenderOptions) -> u32 {
+    let as_in_paper = options.method.is_paper() || options.resolved().interpolation != Interpolation::Trilinear;
+    if as_in_paper { 0 } else { options.mesh.near_rays.div_ceil(options.picture.spp) }
 }
 
 #[cfg(test)]

@@ -198,7 +198,7 @@ impl IndirectField {
 
     /// Reads the mesh at the hits of all gathers, one after the other, and fills it as far as they need. Returns
     /// `None` for hits that no mesh point can serve.
-    fn read_hits(
+    pub(super) fn read_hits(
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,

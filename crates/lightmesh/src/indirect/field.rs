@@ -191,6 +191,21 @@ impl IndirectReader<'_> {
         }
     }
 
+    /// Returns the irradiance at the vertex on planes that face ±x, ±y, ±z, by what it reads for its own normal; `None` where
+    /// [`Self::read`] has none, and of a mesh without directions.
+    pub(super) fn read_cube(&mut self, vertex: &ShadingPoint, marks: &Marks) -> Option<[Vec4; 6]> {
+        if self.field.faces == CubeFaces::One {
+            return None;
+        }
+        let (values, mut sums, mut total) = (self.values, [Vec4::ZERO; 6], 0.0);
+        let read = self.cached.reader.read(vertex, marks, |index, weight| {
+            let faces = &values[index as usize * 6..][..6];
+            sums.iter_mut().zip(faces).for_each(|(sum, &face)| *sum += face * weight);
+            total += weight;
+        });
+        (read == ReadResult::Value).then(|| sums.map(|sum| sum / total))
+    }
+
     /// Returns how many rays have been traced so far to find out which points vertices see.
     pub(crate) fn visibility_rays(&self) -> u64 {
         self.cached.reader.visibility_rays()

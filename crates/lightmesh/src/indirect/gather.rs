@@ -15,11 +15,10 @@ use crate::direct::{DirectLighting, ShadingBatch};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{Lobe, PathRay, ShadingPoint, SpecularLobe, evaluate};
 use crate::mesh::Address;
-use crate::sampling::{basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32};
+use crate::sampling::{
+    INV_GOLDEN, basis, hash, sample_cosine_hemisphere, seed_of_coordinate, seed_of_surface, unit_f32,
+};
 use crate::{RenderOptions, Scene};
-
-/// 1 / golden ratio in units of 2⁻³².
-const INV_GOLDEN: u32 = 2_654_435_769;
 
 /// What a mirror reflects at least.
 const MIRROR: f32 = 0.5;
@@ -102,10 +101,16 @@ impl GatherRays {
 
     /// Moves the counts of rays into the frame's.
     pub(super) fn take_counts(&mut self, direct: &mut DirectLighting<'_, '_>) {
+        let rays = self.take_rays(direct);
+        direct.stats.rays.gather += rays;
+    }
+
+    /// Moves all counts but those of its own rays into the frame's. Returns these.
+    pub(super) fn take_rays(&mut self, direct: &mut DirectLighting<'_, '_>) -> u64 {
         self.hits.take_counts(direct.stats);
         let rays = std::mem::take(&mut self.rays);
-        direct.stats.rays.gather += rays;
         direct.reporter.add(0, rays);
+        rays
     }
 
     /// Shoots `directions`, rotated, from a mesh point at `x`, behind whose faces there are surfaces at distances
@@ -151,6 +156,16 @@ impl GatherRays {
         self.seeds.extend((0..self.batch.len() as u32).map(|i| hash(seed ^ hash(i))));
     }
 
+    /// Its rays.
+    pub(super) fn batch(&self) -> &[Ray] {
+        &self.batch
+    }
+
+    /// By ray, whether it met a surface that it did not pass through.
+    pub(super) fn met(&self) -> impl Iterator<Item = bool> {
+        self.ends.iter().map(|end| !end.is_nowhere())
+    }
+
     /// The unit directions of its rays.
     pub(super) fn directions(&self) -> impl Iterator<Item = Vec3> {
         self.batch.iter().map(|ray| ray.direction)
@@ -175,23 +190,37 @@ impl GatherRays {
         rays: HemisphereRays,
     ) {
         let HemisphereRays { count, seed } = rays;
-        self.lobes.clear();
-        self.lobes.resize(points.len() * count as usize, Vec3::X * (PI / count as f32));
-        self.batch.clear();
-        self.seeds.clear();
-        for point in points {
+        let rays = points.iter().flat_map(|point| {
             let seed = seed_of_surface(seed, point.position);
             let (t, b) = basis(point.n);
-            for i in 0..count {
+            (0..count).map(move |i| {
                 // Anywhere in its stratum of the hemisphere's height: the expectation is exact.
                 let height = unit_f32(hash(seed ^ hash(!i)));
                 let azimuth = unit_f32(i.wrapping_mul(INV_GOLDEN).wrapping_add(seed));
                 let local = sample_cosine_hemisphere(Vec2::new((i as f32 + height) / count as f32, azimuth));
                 let direction = t * local.x + b * local.y + point.n * local.z;
-                self.batch.push(Ray::new(point.light_origin(direction), direction));
-                self.seeds.push(hash(seed ^ hash(i)));
-            }
-        }
+                (Ray::new(point.light_origin(direction), direction), hash(seed ^ hash(i)))
+            })
+        });
+        self.shoot(scene, options, PI / count as f32, rays);
+    }
+
+    /// Shoots rays, each with what its random numbers are made from. Lobes: one for all, in x.
+    pub(super) fn shoot(
+        &mut self,
+        scene: &Scene,
+        options: &RenderOptions,
+        lobe: f32,
+        rays: impl Iterator<Item = (Ray, u32)>,
+    ) {
+        self.batch.clear();
+        self.seeds.clear();
+        rays.for_each(|(ray, seed)| {
+            self.batch.push(ray);
+            self.seeds.push(seed);
+        });
+        self.lobes.clear();
+        self.lobes.resize(self.batch.len(), Vec3::X * lobe);
         self.trace(scene, options);
     }
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::point_block::PointBlock;
 use crate::direct::{DirectLighting, Indirect, LightingPlan, ShadingBatch};
-use crate::indirect::{GatherPaths, GoOn, IndirectField, Marked};
+use crate::indirect::{GatherPaths, GoOn, IndirectField, Marked, NearPoints, NearRays};
 use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
@@ -130,7 +130,7 @@ fn add_indirect(
 ) -> Result<(), Error> {
     let (bounces, seed) = (direct.options.transport.bounces, direct.options.seed);
     blocks.iter_mut().for_each(|block| block.await_indirect());
-    if direct.plan.indirect != Indirect::Mesh {
+    if !matches!(direct.plan.indirect, Indirect::Mesh { .. }) {
         blocks.iter_mut().for_each(|block| block.gather_all());
     }
 
@@ -149,11 +149,19 @@ fn add_indirect(
         field.fill(&mut direct, marks, Marked::ToRead)?;
     }
 
+    // Correct what was read where surfaces are near.
+    if let Indirect::Mesh { near_rays: count @ 1.. } = direct.plan.indirect {
+        let started = Instant::now();
+        let mut lists: Vec<NearPoints<'_>> = blocks.par_iter_mut().map(|block| block.read_points()).collect();
+        field.correct_near(&mut direct, marks, &mut lists, NearRays { count, bounces })?;
+        direct.stats.seconds.shade += started.elapsed().as_secs_f64();
+    }
+
     // Gather rays at the surface itself, where the plan wants that or nothing could be read.
     let started = Instant::now();
     let unresolved: Vec<ShadingPoint> = blocks.iter().flat_map(|block| block.unresolved()).copied().collect();
     let irradiance = match direct.plan.indirect {
-        Indirect::None | Indirect::Mesh => {
+        Indirect::None | Indirect::Mesh { .. } => {
             direct.stats.gather_fallbacks += unresolved.len() as u64;
             field.gather_without_mesh(&mut direct, marks, &unresolved, bounces, seed)?
         }

@@ -80,7 +80,7 @@ fn trace(
     if reporter.cancelled() {
         return sums;
     }
-    let point = meter.shading_point(scene);
+    let point = meter.shading_point(scene, 0);
     let seed = hash(seed_of_position(point.position)) ^ seed_of_position(point.n);
     let mut tracer = PathTracer::new(scene, options);
     let count = u64::from(samples.end - samples.start);

@@ -30,9 +30,9 @@ pub(crate) fn measure_waves(
     let mut stats = RenderStats::default();
     let reporter = Reporter::new(progress, Stage::Measure, meters.len() as u64);
     // Where no mesh reaches, light is exact, except for what gather rays read where they end.
-    let plan = LightingPlan::of(options);
+    let plan = LightingPlan::of_single_samples(options);
     let plan_outside = match plan.indirect {
-        Indirect::None | Indirect::Mesh => {
+        Indirect::None | Indirect::Mesh { .. } => {
             LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed: 0 }, ..plan }
         }
         Indirect::FinalGather { .. } | Indirect::Unbiased { .. } => LightingPlan { primary: Shading::Exact, ..plan },
@@ -74,7 +74,7 @@ fn take_meters(scene: &Scene, meters: &[Meter], indices: &[usize], blocks: &mut 
     let together = indices.len().div_ceil(blocks.len()).min(BLOCK);
     for (block, indices) in blocks.iter_mut().zip(indices.chunks(together)) {
         block.clear();
-        block.batch.vertices.extend(indices.iter().map(|&i| meters[i].shading_point(scene)));
+        block.batch.vertices.extend(indices.iter().map(|&i| meters[i].shading_point(scene, i as u32)));
         block.completes = indices.len() as u64;
     }
     indices.len().div_ceil(together)

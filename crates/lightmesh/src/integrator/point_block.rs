@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::direct::{Indirect, LightingPlan, Shading, ShadingBatch};
-use crate::indirect::{IndirectField, IndirectReading};
+use crate::indirect::{IndirectField, IndirectReading, NearPoints};
 use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
@@ -70,7 +70,7 @@ impl PointBlock {
         if plan.primary != Shading::Exact {
             mesh.direct.points().demand(scene, points, &marks.direct, CornerVisibility::All);
         }
-        if let (Some(field), Some(marks), Indirect::Mesh) = (&mesh.indirect, &marks.indirect, plan.indirect) {
+        if let (Some(field), Some(marks), Indirect::Mesh { .. }) = (&mesh.indirect, &marks.indirect, plan.indirect) {
             field.points().demand(scene, points, marks, CornerVisibility::All);
         }
     }
@@ -102,6 +102,17 @@ impl PointBlock {
             false
         });
         self.visibility_rays += reader.visibility_rays();
+    }
+
+    /// The points that have read the indirect mesh, once none waits.
+    pub(super) fn read_points(&mut self) -> NearPoints<'_> {
+        let Self { batch, indirect, unresolved, .. } = self;
+        let mut others = unresolved.iter().peekable();
+        let is_read = |i: u32| others.next_if(|&&other| other == i).is_none();
+        let read: Vec<bool> = (0..indirect.len() as u32).map(is_read).collect();
+        let points = batch.vertices.iter().zip(&read).filter(|(_, read)| **read).map(|(point, _)| *point);
+        let irradiance = indirect.iter_mut().zip(&read).filter(|(_, read)| **read).map(|(irradiance, _)| irradiance);
+        NearPoints { points: points.collect(), irradiance: irradiance.collect() }
     }
 
     /// The points that no point of the indirect mesh can serve.

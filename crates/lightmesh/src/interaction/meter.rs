@@ -40,9 +40,9 @@ impl Meter {
         Err(Error::InvalidMeter { index, what })
     }
 
-    /// The meter as a point to be lit. Its rays start off the surface that it may lie on, as far as the rays of that
+    /// The meter as a point to be lit, with its number. Its rays start off the surface that it may lie on, as far as the rays of that
     /// surface do.
-    pub(crate) fn shading_point(&self, scene: &Scene) -> ShadingPoint {
+    pub(crate) fn shading_point(&self, scene: &Scene, id: u32) -> ShadingPoint {
         let n = self.direction();
         let coordinate = self.position.abs().max_element();
         // Look for the surface as far as a triangle may be off: small ones first, so that nothing far away counts, then
@@ -56,6 +56,6 @@ impl Meter {
         };
         let surface = sizes.into_iter().find_map(find).unwrap_or(0.0);
         let offset = self_distance(coordinate, 0.0).max(2.0 * surface);
-        ShadingPoint { position: self.position, n, ng: n, offset, bulge: Vec3::ZERO, weight: Vec3::ONE, id: 0 }
+        ShadingPoint { position: self.position, n, ng: n, offset, bulge: Vec3::ZERO, weight: Vec3::ONE, id }
     }
 }

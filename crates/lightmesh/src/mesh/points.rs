@@ -222,6 +222,11 @@ impl Points {
         }
     }
 
+    /// Returns the distance between neighbours on the level that a vertex reads, metres.
+    pub(crate) fn spacing_at(&self, vertex: &ShadingPoint) -> f32 {
+        self.level(self.cell(vertex).0).lattice.spacing()
+    }
+
     /// Lets the next level take over in a cell. There must be one.
     pub(crate) fn refine(&mut self, level: u32, cell: Coordinate) {
         self.levels[level as usize].refine(cell);

@@ -11,6 +11,10 @@ pub struct MeshOptions {
     pub indirect_spacing: Spacing,
     /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
     pub gather_rays: u32,
+    /// Short rays at each pixel that find the light and shade of what is nearer to a surface than 1.5 spacings of the
+    /// indirect mesh, shared by its samples; 0 to 65536. 0: surfaces get what the mesh says. For the methods
+    /// [`Mesh`](super::Method::Mesh) and [`Hybrid`](super::Method::Hybrid), where meshes are read trilinear.
+    pub near_rays: u32,
     /// How often the meshes may halve their spacing where their light is not good enough; 0 to 4. `None`: not at all,
     /// or where there is a bound on the error twice.
     pub refine: Option<u32>,
@@ -32,6 +36,7 @@ impl Default for MeshOptions {
             spacing: Spacing::default(),
             indirect_spacing: Spacing::default(),
             gather_rays: 256,
+            near_rays: 16,
             refine: None,
             lod_distance: None,
             interpolation: Interpolation::default(),

@@ -152,7 +152,7 @@ const SECONDS: Kind = syntax(
 const BYTES: Kind = syntax(|text| limits::parse_bytes(text).map(limits::spell_bytes), limits::EXPECTED_BYTES, true);
 
 /// Every field of [`RenderOptions`], in the order of `--help`.
-pub const RENDER: [Entry<RenderOptions>; 23] = [
+pub const RENDER: [Entry<RenderOptions>; 24] = [
     Entry {
         about: About {
             name: "size",
@@ -349,6 +349,21 @@ pub const RENDER: [Entry<RenderOptions>; 23] = [
         },
         get: |o| Some(Value::Whole(o.mesh.gather_rays.into())),
         set: |o, value| o.mesh.gather_rays = value.whole() as u32,
+    },
+    Entry {
+        about: About {
+            name: "near-rays",
+            kind: Kind::Whole(0, 1 << 16),
+            value_name: "N",
+            group: Group::Mesh,
+            help: "Short rays per pixel that find the indirect light and shade of what is nearer than 1.5 spacings of \
+                   the indirect mesh, 0 to 65536; 0: what the mesh says",
+            methods: &["mesh", "hybrid"],
+            since: "0.2",
+            ..About::PLAIN
+        },
+        get: |o| Some(Value::Whole(o.mesh.near_rays.into())),
+        set: |o, value| o.mesh.near_rays = value.whole() as u32,
     },
     Entry {
         about: About {

@@ -13,7 +13,7 @@ pub(crate) use bits::set_bits;
 use glam::{Vec2, Vec3};
 pub(crate) use piecewise_constant::Table;
 pub(crate) use pixel_order::PixelOrder;
-pub(crate) use rng::{fold_seed, hash, seed_of_coordinate, seed_of_position, seed_of_surface, unit_f32};
+pub(crate) use rng::{INV_GOLDEN, fold_seed, hash, seed_of_coordinate, seed_of_position, seed_of_surface, unit_f32};
 
 /// Samples of one pixel: an Owen-scrambled Sobol sequence (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020),
 /// four dimensions at a time, decorrelated between sequences and groups of dimensions by their seeds.

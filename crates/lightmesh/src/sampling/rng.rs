@@ -2,6 +2,9 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
+/// 1 / golden ratio in units of 2⁻³²: its multiples are spread evenly.
+pub(crate) const INV_GOLDEN: u32 = 2_654_435_769;
+
 /// PCG's output hash of 32 bits (Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020, section 4).
 pub(crate) fn hash(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
