@@ -70,6 +70,7 @@ impl Bar {
                     Stage::Render => "rendering",
                     Stage::Check => "comparing with exact light",
                     Stage::EmitterEdges => "outlines of lamps",
+                    Stage::Resample => "samples where there is noise",
                     _ => "working",
                 });
                 now

@@ -86,6 +86,7 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Check => "check",
         Stage::Render => "render",
         Stage::EmitterEdges => "outlines",
+        Stage::Resample => "resample",
         Stage::Demand => "demand",
         Stage::Measure => "measure",
         Stage::Fill => "fill",

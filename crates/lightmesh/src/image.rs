@@ -154,6 +154,9 @@ pub struct RenderStats {
     pub exact_fallbacks: u64,
     /// Surface points at which no point of the indirect mesh was usable, so that gather rays were traced.
     pub gather_fallbacks: u64,
+    /// The picture's error by the noise of its pixels, relative to its mean, where samples follow it
+    /// ([`PictureOptions::most_spp`](crate::PictureOptions::most_spp)).
+    pub sampling_error: Option<f64>,
     /// How many of the shadow rays were traced from mesh points.
     pub fill_shadow_rays: u64,
     /// The estimated error of the picture, RMS relative to its mean, if

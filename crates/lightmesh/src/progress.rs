@@ -20,6 +20,8 @@ pub enum Stage {
     Render,
     /// Sampling pixels on emitter edges again, with more samples; counts samples.
     EmitterEdges,
+    /// Taking more samples of the pixels with most noise; counts samples.
+    Resample,
     /// Measuring with meters; counts samples: one for each meter, with [`Method::Path`](crate::options::Method::Path)
     /// [`PictureOptions::spp`](crate::PictureOptions::spp).
     Measure,

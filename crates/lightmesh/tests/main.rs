@@ -1,6 +1,7 @@
 //! All tests of the library from the outside, as one program: it links once.
 
 mod accuracy;
+mod adaptive_samples;
 mod aov;
 mod area_lights;
 mod common;

@@ -280,7 +280,8 @@ impl PyScene {
     /// camera: a Camera, or the name or index of one of the scene's; None: the first, or one that frames the scene.
     /// size: (width, height) or "WxH", pixels; None: 1280 wide, the height from the camera's aspect.
     /// method: "mesh", "paper", "standard" (also called "exact"), "hybrid", "unbiased" or "path".
-    /// spp: samples per pixel; None: 4, with time_limit (seconds) as many as there is time for.
+    /// spp: samples per pixel; None: 4, and up to most_spp (None: 64) where there is noise; with time_limit (seconds) as
+    /// many as there is time for.
     /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None:
     /// none.
     /// depth, cutoff: how far mirrored and refracted rays are followed. falloff: "r2" or "C+r".
@@ -311,7 +312,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, denoise=false, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
+        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
     )]
     fn render(
         slf: &Bound<'_, Self>,

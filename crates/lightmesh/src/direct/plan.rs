@@ -82,6 +82,15 @@ impl LightingPlan {
         Self::of(&options.clone().with(|o| o.picture.spp = 1))
     }
 
+    /// Returns the plan for pixels that have so many samples in all.
+    pub(crate) fn with_samples(self, options: &RenderOptions, spp: u32) -> Self {
+        let indirect = match self.indirect {
+            Indirect::Mesh { near_rays: 1.. } => Indirect::Mesh { near_rays: options.mesh.near_rays.div_ceil(spp) },
+            other => other,
+        };
+        Self { indirect, ..self }
+    }
+
     /// Returns the plan with other random numbers: samples by which something is chosen must not be used again in the
     /// result, or that has a bias.
     pub(crate) fn reseeded(self) -> Self {

@@ -46,19 +46,18 @@ impl UnlitSums {
         }
     }
 
-    pub(super) fn scale(&mut self, pixels: impl Iterator<Item = u32>, factor: f32) {
+    /// Clears some pixels.
+    pub(super) fn clear(&mut self, pixels: &[u32]) {
         if !self.0.is_empty() {
-            pixels.for_each(|pixel| self.0[pixel as usize] *= factor);
+            pixels.iter().for_each(|&pixel| self.0[pixel as usize] = Vec4::ZERO);
         }
     }
 
-    /// Returns the means; the sums must have been scaled to them. Where no unlit surface is seen there is no list.
-    pub(super) fn finish(self) -> Vec<Vec4> {
-        if self.0.iter().all(|sum| *sum == Vec4::ZERO) { Vec::new() } else { self.0 }
-    }
-
-    /// The means so far, each pixel scaled by the function of its number.
-    pub(super) fn so_far(&self, scale: impl Fn(u32) -> f32) -> Vec<Vec4> {
-        Self(self.0.iter().zip(0..).map(|(&sum, pixel)| sum * scale(pixel)).collect()).finish()
+    /// Returns the sums of each pixel multiplied with its `scale`. Where no unlit surface is seen there is no list.
+    pub(super) fn means(&self, scale: impl Fn(u32) -> f32) -> Vec<Vec4> {
+        if self.0.iter().all(|sum| *sum == Vec4::ZERO) {
+            return Vec::new();
+        }
+        (0..).zip(&self.0).map(|(pixel, &sum)| sum * scale(pixel)).collect()
     }
 }

@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
+use super::Film;
 use super::order::TileOrder;
 use super::pass::Pass;
-use super::{Film, cells_of_pixel};
-use crate::sampling::film_samples;
 
 /// Bits of a pixel: one of its samples saw an emitter, one saw something else.
 const SAW_EMITTER: u8 = 1;
@@ -17,12 +16,10 @@ const SAW_OTHER: u8 = 2;
 /// with them.
 const EDGE_SAMPLES: u32 = 64;
 
-/// The samples that the pixels on emitter edges had before they are sampled anew.
+/// What the pixels on emitter edges had before they are sampled anew: that is shown until they are done.
 #[derive(Debug)]
 pub(super) struct EmitterEdges {
-    /// Samples of every other pixel, and of these before.
-    pub(super) spp: u32,
-    /// The sums of those samples, pixel by pixel.
+    /// Pixel by pixel, the mean of the samples.
     pub(super) before: Vec<Vec3>,
 }
 
@@ -54,13 +51,15 @@ impl Film {
         if samples as usize <= spp {
             return false;
         }
-        let before = edges.iter().map(|&pixel| std::mem::take(&mut self.sums[pixel as usize])).collect();
+        let mean = |&pixel: &u32| self.sums[pixel as usize] / self.taken[pixel as usize].max(1) as f32;
+        self.emitter_edges = Some(EmitterEdges { before: edges.iter().map(mean).collect() });
+        for &pixel in &edges {
+            (self.sums[pixel as usize], self.taken[pixel as usize]) = (Vec3::ZERO, 0);
+        }
         self.layers.clear(&edges);
-        self.unlit.scale(edges.iter().copied(), 0.0);
-        self.offsets = film_samples(samples);
-        self.cells = cells_of_pixel(samples as usize);
-        self.emitter_edges = Some(EmitterEdges { spp: spp as u32, before });
-        self.pass = Pass { pixels: Some(edges), indices: 0..samples, done: 0, end: None };
+        self.unlit.clear(&edges);
+        self.set_samples(samples);
+        self.pass = Pass::new(Some(edges), 0..samples);
         self.seen = Vec::new();
         true
     }

@@ -90,31 +90,26 @@ impl Layers {
 
     /// Clears some pixels.
     pub(crate) fn clear(&mut self, pixels: &[u32]) {
-        self.change(pixels.iter().copied(), |_, value| *value = 0.0);
-    }
-
-    /// Multiplies the sums of some pixels.
-    pub(crate) fn scale(&mut self, pixels: impl Iterator<Item = u32> + Clone, factor: f32) {
-        // The highest level is no sum.
-        self.change(pixels, |aov, value| *value *= if aov == Aov::MeshLevel { 1.0 } else { factor });
-    }
-
-    fn change(&mut self, pixels: impl Iterator<Item = u32> + Clone, change: impl Fn(Aov, &mut f32)) {
         for aov in self.collected.iter() {
             let channels = aov.channels().len();
             let values = &mut self.values[aov as usize];
-            for pixel in pixels.clone() {
-                values[pixel as usize * channels..][..channels].iter_mut().for_each(|value| change(aov, value));
-            }
+            pixels.iter().for_each(|&pixel| values[pixel as usize * channels..][..channels].fill(0.0));
         }
         if !self.hit.is_empty() {
-            pixels.for_each(|pixel| change(Aov::Depth, &mut self.hit[pixel as usize]));
+            pixels.iter().for_each(|&pixel| self.hit[pixel as usize] = 0.0);
         }
     }
 
-    /// Returns the finished layers, in the order of [`Aov::ALL`]. The sums must have been scaled to means;
+    /// Returns the finished layers, in the order of [`Aov::ALL`]: the sums of each pixel multiplied with its `scale`;
     /// [`Aov::Points`] is black.
-    pub(crate) fn finish(mut self) -> Vec<Layer> {
+    pub(crate) fn finish(mut self, scale: impl Fn(u32) -> f32) -> Vec<Layer> {
+        // Depths are means over hits alone, and the highest level is no sum.
+        for aov in self.collected.iter().filter(|aov| !matches!(aov, Aov::Depth | Aov::MeshLevel)) {
+            for (pixel, values) in (0..).zip(self.values[aov as usize].chunks_exact_mut(aov.channels().len())) {
+                let scale = scale(pixel);
+                values.iter_mut().for_each(|value| *value *= scale);
+            }
+        }
         for (depth, hit) in self.values[Aov::Depth as usize].iter_mut().zip(&self.hit) {
             *depth = if *hit > 0.0 { *depth / hit } else { Aov::FAR_M };
         }
@@ -134,8 +129,7 @@ mod tests {
     fn depth_is_averaged_over_hits_alone() {
         let mut layers = Layers::new([Aov::Albedo, Aov::Depth].into_iter().collect(), 2);
         layers.add_surface(1, 1.0, Vec3::ONE, Vec3::X, 7.0);
-        layers.scale(0..2, 0.5);
-        let [albedo, depth] = <[Layer; 2]>::try_from(layers.finish()).expect("two layers");
+        let [albedo, depth] = <[Layer; 2]>::try_from(layers.finish(|_| 0.5)).expect("two layers");
         assert_eq!(albedo.values, [0.0, 0.0, 0.0, 0.5, 0.5, 0.5]);
         assert_eq!(depth.values, [Aov::FAR_M, 7.0]);
     }
@@ -146,8 +140,7 @@ mod tests {
         let mut layers = Layers::new([Aov::MeshLevel, Aov::MeshValid].into_iter().collect(), 2);
         layers.add_reading(0, 1.0, 0.5, 2);
         layers.add_reading(0, 1.0, 1.0, 1);
-        layers.scale(0..2, 0.5);
-        let [level, valid] = <[Layer; 2]>::try_from(layers.finish()).expect("two layers");
+        let [level, valid] = <[Layer; 2]>::try_from(layers.finish(|_| 0.5)).expect("two layers");
         assert_eq!((level.values, valid.values), (vec![2.0, 0.0], vec![0.75, 1.0]));
     }
 }

@@ -10,6 +10,8 @@ mod order;
 mod pass;
 mod passes;
 mod picture;
+mod resampling;
+mod sample_noise;
 mod waves;
 
 use std::ops::Range;
@@ -24,7 +26,9 @@ use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
 use order::TileOrder;
 use pass::Pass;
-pub(crate) use passes::{SumOrder, WAVE, take_samples};
+pub(crate) use passes::{NoiseBound, SumOrder, WAVE, take_more_samples, take_samples};
+
+use sample_noise::SampleNoise;
 
 use crate::geometry::{Cone, Ray};
 use crate::sampling::{film_samples, fold_seed, hash};
@@ -37,6 +41,8 @@ pub(crate) struct Film {
     rays: FilmRays,
     order: TileOrder,
     seed: u64,
+    /// Samples that every pixel is to have at least.
+    spp: u32,
     /// Positions of a pixel's samples in [0, 1)², in units of 2⁻³², before the pixel's own scramble.
     offsets: Vec<[u32; 2]>,
     /// Cells of a pixel in each direction, and how wide the square of a cell's area is, in pixels.
@@ -45,7 +51,10 @@ pub(crate) struct Film {
     cones: bool,
     /// The samples that are being taken.
     pass: Pass,
+    /// By pixel: the sum of its samples' radiance.
     sums: Vec<Vec3>,
+    /// By pixel: how many samples have all their light in the sum.
+    taken: Vec<u32>,
     aovs: Aovs,
     layers: Layers,
     /// Whether the scene has unlit surfaces.
@@ -58,8 +67,12 @@ pub(crate) struct Film {
     seen: Vec<u8>,
     /// What is shown of pixels without samples.
     coarse_preview: Option<CoarsePreview>,
+    /// Whether its sums are no picture to be shown: a coarse preview that is being made, or some pixels alone.
+    is_hidden: bool,
     /// The first samples of the pass's pixels, where these are sampled anew.
     emitter_edges: Option<EmitterEdges>,
+    /// How much noise each pixel has, where that decides which get more samples.
+    noise: SampleNoise,
 }
 
 /// One sample of one pixel.
@@ -90,11 +103,13 @@ impl Film {
             rays,
             order,
             seed: options.seed,
+            spp: options.picture.spp,
             offsets: film_samples(options.picture.spp),
             cells: cells_of_pixel(options.picture.spp as usize),
             cones: true,
-            pass: Pass { pixels: None, indices: 0..options.picture.spp, done: 0, end: None },
+            pass: Pass::new(None, 0..options.picture.spp),
             sums: vec![Vec3::ZERO; order.len()],
+            taken: vec![0; order.len()],
             aovs: options.picture.aovs,
             layers: Layers::new(options.picture.aovs, order.len()),
             has_unlit: false,
@@ -102,7 +117,9 @@ impl Film {
             white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
+            is_hidden: false,
             emitter_edges: None,
+            noise: SampleNoise::default(),
         }
     }
 
@@ -118,14 +135,15 @@ impl Film {
 
     /// Begins a pass over some of the samples of every pixel, which follow those that it has.
     pub(crate) fn begin_pass(&mut self, indices: Range<u32>) {
-        self.pass = Pass { pixels: None, indices, done: 0, end: None };
+        self.pass = Pass::new(None, indices);
     }
 
     /// Begins a coarse preview: the first sample of every `stride`-th pixel of every `stride`-th row. Previews come
     /// before any pass, the coarsest first. Layers are not collected.
     pub(crate) fn begin_coarse_preview(&mut self, stride: u32) {
         let pixels = CoarsePreview::pixels(self.order, stride, self.coarse_preview.as_ref());
-        self.pass = Pass { pixels: Some(pixels), indices: 0..1, done: 0, end: None };
+        self.pass = Pass::new(Some(pixels), 0..1);
+        self.is_hidden = true;
         self.layers = Layers::default();
         self.unlit = UnlitSums::default();
     }
@@ -134,9 +152,17 @@ impl Film {
     pub(crate) fn finish_coarse_preview(&mut self, stride: u32) {
         self.coarse_preview =
             Some(CoarsePreview::take(self.order, stride, self.coarse_preview.as_ref(), &mut self.sums));
+        self.is_hidden = false;
+        self.taken.fill(0);
         self.layers = Layers::new(self.aovs, self.order.len());
         self.unlit = self.no_unlit();
         self.begin_pass(0..self.offsets.len() as u32);
+    }
+
+    /// Sets how many samples the pixels of the next passes have in all.
+    fn set_samples(&mut self, samples: u32) {
+        self.offsets = film_samples(samples);
+        self.cells = cells_of_pixel(samples as usize);
     }
 
     /// An empty film on which the first `spp` samples of some pixels are one pass; without layers.
@@ -145,11 +171,13 @@ impl Film {
             rays: self.rays,
             order: self.order,
             seed: self.seed,
+            spp,
             offsets: self.offsets.clone(),
             cells: self.cells,
             cones: self.cones,
-            pass: Pass { pixels: Some(pixels), indices: 0..spp, done: 0, end: None },
+            pass: Pass::new(Some(pixels), 0..spp),
             sums: vec![Vec3::ZERO; self.sums.len()],
+            taken: vec![0; self.sums.len()],
             aovs: Aovs::default(),
             layers: Layers::default(),
             has_unlit: self.has_unlit,
@@ -157,7 +185,9 @@ impl Film {
             white_cd_m2: None,
             seen: Vec::new(),
             coarse_preview: None,
+            is_hidden: true,
             emitter_edges: None,
+            noise: SampleNoise::default(),
         }
     }
 
@@ -207,21 +237,26 @@ impl Film {
 
     /// Counts samples as done, in order.
     pub(crate) fn add_done(&mut self, samples: u64) {
+        let mut taken = std::mem::take(&mut self.taken);
+        let range = self.pass.done..self.pass.done + samples;
+        self.samples(range).for_each(|sample| taken[sample.pixel as usize] += 1);
+        self.taken = taken;
         self.pass.done += samples;
     }
 
-    /// How many samples every pixel has; on emitter edges, how many it had before it was sampled anew.
+    /// How many samples every pixel has.
     pub(crate) fn whole_passes(&self) -> u32 {
-        match &self.emitter_edges {
-            Some(edges) => edges.spp,
-            None if self.pass.left(self.pass_pixels()) == 0 => self.pass.indices.end,
-            None => self.pass.indices.start,
-        }
+        self.taken.iter().copied().min().unwrap_or(0)
     }
 
     /// Whether the time limit may end the picture here: every pixel has a sample, and none is being sampled anew.
     pub(crate) fn may_end(&self) -> bool {
         self.pass.pixels.is_none() && self.pass.indices.start > 0
+    }
+
+    /// How many samples the pixels of the pass are to have in all.
+    pub(crate) fn samples_of_pixel(&self) -> u32 {
+        self.offsets.len() as u32
     }
 
     fn pass_pixels(&self) -> u64 {

@@ -57,7 +57,7 @@ impl Film {
     /// Marks the whole pass as done.
     pub(crate) fn end_pass(&mut self) {
         self.pass.end = None;
-        self.pass.done = self.sample_count();
+        self.add_done(self.sample_count() - self.pass.done);
     }
 
     /// Whether samples of some pixels met emitters; empty where the film does not collect that.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Aovs, RenderOptions};
+use super::{Aovs, Method, RenderOptions};
 use crate::Error;
 
 /// The picture's size, samples and layers.
@@ -15,6 +15,11 @@ pub struct PictureOptions {
     /// Samples per pixel, box filter of one pixel, 1 to 65536; 1 samples the pixel's centre. With a time limit, the
     /// most.
     pub spp: u32,
+    /// The most samples of a pixel, up to 65536: those with most noise get four and sixteen times as many as
+    /// [`Self::spp`], and so on, until the noise of the picture is half of its error bound, or of 5% of its mean. `None`:
+    /// every pixel has the same number, as always with the methods [`Path`](super::Method::Path) and
+    /// [`Unbiased`](super::Method::Unbiased), with a time limit, and in the parts of a distributed picture.
+    pub most_spp: Option<u32>,
     /// Render time, from the built scene, after which no more samples are taken, above 0; `None`: all are. Every pixel
     /// gets one sample however long that takes. How many there are in time depends on the machine and what else it
     /// does, and so does the picture; where the limit is not reached, last bits may differ from the picture without a
@@ -26,11 +31,14 @@ pub struct PictureOptions {
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { width: 1280, height: 720, spp: 4, time_limit: None, aovs: Aovs::default() }
+        Self { width: 1280, height: 720, spp: 4, most_spp: None, time_limit: None, aovs: Aovs::default() }
     }
 }
 
 impl PictureOptions {
+    /// The most samples of a pixel where nothing is said of samples: by name, as the command line and Python say it.
+    pub const AUTO_MOST_SPP: u32 = 64;
+
     /// The most samples that a pixel can have, and what a time limit allows where no number is said.
     pub const MOST_SPP: u32 = 1 << 16;
 
@@ -51,13 +59,23 @@ impl PictureOptions {
 }
 
 impl RenderOptions {
+    /// Returns the most samples of a pixel, where some get more than others.
+    pub(crate) fn most_spp(&self) -> Option<u32> {
+        let PictureOptions { spp, most_spp, time_limit, .. } = self.picture;
+        let follows_noise = !matches!(self.method, Method::Path | Method::Unbiased { .. });
+        // Noise shows in how two parts of a pixel's samples differ.
+        most_spp.filter(|&most| most > spp && spp >= 2 && follows_noise && time_limit.is_none())
+    }
+
     /// For the film, the finished picture and its 8-bit copy.
-    const BYTES_PER_PIXEL: u64 = 12 + 1 + 12 + 3;
+    const BYTES_PER_PIXEL: u64 = 12 + 4 + 1 + 12 + 3;
+    /// For the first part of the samples, their noise, and the choice of pixels that get more.
+    const NOISE_BYTES_PER_PIXEL: u64 = 12 + 4 + 4 + 4 + 4 + 1;
     /// For the colours of unlit surfaces, on the film, and in a picture that is shown meanwhile.
     const UNLIT_BYTES_PER_PIXEL: u64 = 16;
 
-    /// Refuses a picture that the memory limit does not hold: 28 bytes a pixel for the film, the finished picture and
-    /// its 8-bit copy, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh
+    /// Refuses a picture that the memory limit does not hold: 32 bytes a pixel for the film, the finished picture and
+    /// its 8-bit copy, 29 where samples follow the noise, and what its layers take. Waves of rays take some 20 MiB beside it, whatever the size; the mesh
     /// and the scene are checked where they grow.
     ///
     /// # Errors
@@ -91,7 +109,8 @@ impl RenderOptions {
 
     fn bytes_of_pixels(&self, bytes_per_pixel: u64) -> u64 {
         let PictureOptions { width, height, aovs, .. } = self.picture;
-        (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel + aovs.bytes_per_pixel())
+        let noise = if self.most_spp().is_some() { Self::NOISE_BYTES_PER_PIXEL } else { 0 };
+        (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel + noise + aovs.bytes_per_pixel())
     }
 
     fn check_memory(&self, bytes_per_pixel: u64, scene_bytes: u64) -> Result<(), Error> {

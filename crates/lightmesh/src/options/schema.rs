@@ -152,7 +152,7 @@ const SECONDS: Kind = syntax(
 const BYTES: Kind = syntax(|text| limits::parse_bytes(text).map(limits::spell_bytes), limits::EXPECTED_BYTES, true);
 
 /// Every field of [`RenderOptions`], in the order of `--help`.
-pub const RENDER: [Entry<RenderOptions>; 24] = [
+pub const RENDER: [Entry<RenderOptions>; 25] = [
     Entry {
         about: About {
             name: "size",
@@ -223,11 +223,28 @@ pub const RENDER: [Entry<RenderOptions>; 24] = [
             kind: Kind::Whole(1, PictureOptions::MOST_SPP as u64),
             value_name: "N",
             help: "Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre",
-            default_note: Some("4; with --time-limit, which makes it the most, 65536"),
+            default_note: Some(
+                "4, and up to 64 where there is noise (--most-spp); with --time-limit, which makes it the most, 65536",
+            ),
             ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.picture.spp.into())),
         set: |o, value| o.picture.spp = value.whole() as u32,
+    },
+    Entry {
+        about: About {
+            name: "most-spp",
+            kind: Kind::Whole(1, PictureOptions::MOST_SPP as u64),
+            value_name: "N",
+            help: "Most samples of a pixel: those with most noise, on outlines and where few rays are not enough, get more \
+                   than --spp, until the noise of the picture is half of --error, or 2.5% of its mean",
+            default_note: Some("64; with --spp or --time-limit the same number for all"),
+            methods: &["mesh", "paper", "hybrid", "standard"],
+            since: "0.2",
+            ..About::PLAIN
+        },
+        get: |o| o.picture.most_spp.map(|most| Value::Whole(most.into())),
+        set: |o, value| o.picture.most_spp = Some(value.whole() as u32),
     },
     Entry {
         about: About {
@@ -509,7 +526,8 @@ pub fn named(name: &str) -> Option<&'static Entry<RenderOptions>> {
 
 impl RenderOptions {
     /// Returns the options with these values, which [`About::read`] has returned, and the defaults for the rest. With a
-    /// time limit and no number of samples, there are as many as there is time for.
+    /// time limit and no number of samples, there are as many as there is time for; where nothing is said of samples, up to
+    /// 64 where there is noise.
     ///
     /// # Errors
     /// [`Error::InvalidOption`] for a bound on the error of another method than `mesh`. Other options that the method
@@ -525,8 +543,10 @@ impl RenderOptions {
                 (entry.set)(&mut options, value);
             }
         }
-        if values("time-limit").is_some() && values("spp").is_none() {
-            options.picture.spp = PictureOptions::MOST_SPP;
+        match (values("spp"), values("time-limit"), values("most-spp")) {
+            (None, None, None) => options.picture.most_spp = Some(PictureOptions::AUTO_MOST_SPP),
+            (None, Some(_), _) => options.picture.spp = PictureOptions::MOST_SPP,
+            _ => {}
         }
         if values("error").is_some() && options.method.error().is_none() {
             return Err(Error::InvalidOption { option: "error", what: "is kept to by the method mesh alone".into() });
@@ -608,7 +628,9 @@ mod tests {
             let values: Vec<(&str, Value)> = pairs.iter().map(read).collect();
             RenderOptions::chosen(|name| values.iter().find(|(key, _)| *key == name).map(|(_, value)| value))
         };
-        assert_eq!(choose(&[]).expect("defaults"), RenderOptions::default());
+        let defaults = RenderOptions::default().with(|o| o.picture.most_spp = Some(64));
+        assert_eq!(choose(&[]).expect("defaults"), defaults);
+        assert_eq!(choose(&[("spp", "4")]).expect("options"), RenderOptions::default());
         let options = choose(&[("rays", "8"), ("method", "unbiased"), ("time-limit", "2")]).expect("options");
         assert_eq!((options.method, options.picture.spp), (Method::unbiased(8), 65536));
         let options = choose(&[("time-limit", "2"), ("spp", "8"), ("graded", "2.5")]).expect("options");
