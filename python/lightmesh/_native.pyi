@@ -33,7 +33,8 @@ _Path: TypeAlias = str | PathLike[str]
 _Point: TypeAlias = tuple[float, float, float]
 _Size: TypeAlias = str | Sequence[int]
 _Environment: TypeAlias = _Path | ArrayLike
-_Method: TypeAlias = Literal["mesh", "paper", "standard", "exact", "hybrid", "unbiased", "path"]
+_Method: TypeAlias = Literal["auto", "mesh", "paper", "standard", "exact", "hybrid", "unbiased", "path"]
+_Quality: TypeAlias = Literal["preview", "normal", "final"]
 _Weight: TypeAlias = Literal["constant", "gaussian", "inverse", "cosine"]
 _PaperScale: TypeAlias = Literal["visibility", "constant"]
 _Progress: TypeAlias = bool | Callable[[str, int, int, int], object]
@@ -205,7 +206,8 @@ class Scene:
         *,
         camera: Camera | str | int | None = None,
         size: _Size | None = None,
-        method: _Method = "mesh",
+        method: _Method | None = None,
+        quality: _Quality | None = None,
         spp: int | None = None,
         most_spp: int | None = None,
         time_limit: float | None = None,
@@ -280,6 +282,7 @@ class LightMesh:
         cameras: Sequence[Camera | str | int | None] | None = None,
         size: _Size | None = None,
         method: _Method = "mesh",
+        quality: _Quality | None = None,
         spp: int | None = None,
         most_spp: int | None = None,
         time_limit: float | None = None,
@@ -317,6 +320,7 @@ class LightMesh:
         *,
         size: _Size | None = None,
         method: _Method | None = None,
+        quality: _Quality | None = None,
         spp: int | None = None,
         most_spp: int | None = None,
         time_limit: float | None = None,

@@ -21,7 +21,7 @@ class Bar:
         self._stage = ""
 
     def __call__(self, stage: str, done: int, total: int, rays: int) -> None:
-        if self._bar is None or stage != self._stage:
+        if self._bar is None or stage != self._stage or total != self._bar.total:
             self.close()
             self._bar = self._make(total=total, desc=stage, unit=UNITS.get(stage, " samples"), unit_scale=True)
             self._stage = stage

@@ -90,7 +90,7 @@ def test_the_exposure_is_that_of_the_command_line(image: Image) -> None:
 def test_stats_are_a_copy(cornell: Scene) -> None:
     image = cornell.render(size=(8, 8), spp=1, bounces=0)
     image.stats["method"] = "mine"
-    assert image.stats["method"] == "mesh"
+    assert image.stats["method"] == "auto"
     assert image.stats["image"] == {"width": 8, "height": 8, "spp": 1}
 
 

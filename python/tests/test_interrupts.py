@@ -102,7 +102,7 @@ def test_an_exception_of_the_callback_ends_the_render_and_comes_out(cornell: Sce
         cornell.render(progress=stop, **options)
     assert calls == 1 and time.monotonic() - begun < 10
     # The mesh is as good as new.
-    small = {"size": (40, 40), "spp": 1, "bounces": 1, "gather_rays": 128}
+    small = {"method": "mesh", "size": (40, 40), "spp": 1, "bounces": 1, "gather_rays": 128}
     again = numpy.asarray(cornell.render(mesh=mesh, **small))
     assert numpy.array_equal(again, numpy.asarray(cornell.render(**small)))
 

@@ -47,7 +47,7 @@ def test_a_mesh_goes_on_with_fewer_bounces(cornell: Scene, tmp_path: Path) -> No
     mesh.save(path)
     fewer = LightMesh.load(path, cornell, bounces=1)
     image = cornell.render(mesh=fewer, **PICTURE)
-    assert numpy.array_equal(image, cornell.render(**{**OPTIONS, **PICTURE, "bounces": 1}))
+    assert numpy.array_equal(image, cornell.render(method="mesh", **{**OPTIONS, **PICTURE, "bounces": 1}))
     assert (fewer.indirect_values[fewer.indirect_valid] <= mesh.indirect_values[mesh.indirect_valid] + 1e-6).all()
 
 

@@ -69,7 +69,7 @@ def test_a_picture_is_that_of_the_command_line(
 
 def test_threads_and_warm_meshes_change_nothing(scenes: Path) -> None:
     scene = Scene.load(scenes / "room_15.glb")
-    options: dict[str, Any] = {"size": (64, 48), "spp": 2, "spacing": "1/40", "bounces": 1, "gather_rays": 32}
+    options: dict[str, Any] = {"method": "auto", "size": (64, 48), "spp": 2, "spacing": "1/40", "bounces": 1, "gather_rays": 32}
     pictures = [numpy.asarray(scene.render(threads=threads, **options)) for threads in (None, 1, 2, 5)]
     mesh = LightMesh(scene, cameras=[None], **options)
     cold = scene.render(mesh=mesh)

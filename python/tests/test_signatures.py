@@ -38,8 +38,10 @@ def test_signatures_have_the_options_and_defaults_of_the_table() -> None:
     assert set(mesh) == set(table) | {"cameras"}
     meters = defaults(Scene.irradiance)
     assert set(render) - set(meters) == {
-        "camera", "denoise", "size", "aov", "cutoff", "time_limit", "error", "refine", "lod_distance"
+        "camera", "denoise", "size", "aov", "cutoff", "time_limit", "most_spp", "quality", "error", "refine", "lod_distance"
     }  # fmt: skip
+    # The mesh itself, where no picture is to have an error.
+    assert mesh.pop("method") == meters.pop("method") == "mesh"
     for chosen in (render, mesh, meters):
         assert chosen.pop("denoise", False) is False
         for name, default in chosen.items():
@@ -55,14 +57,14 @@ def test_signatures_have_the_options_and_defaults_of_the_table() -> None:
 def test_every_option_can_be_given_its_own_default(cornell: Scene) -> None:
     options = {name: value for name, value in defaults(Scene.render).items() if value is not None}
     image = cornell.render(**{**options, "size": (4, 4), "spp": 1})
-    assert image.stats["method"] == "mesh"
+    assert image.stats["method"] == "auto"
 
 
 #: The annotation of each kind of option, where it has a value.
 TYPES = {
     "int": {"int"},
     "float": {"float"},
-    "word": {"_Method", "_Weight", "_PaperScale"},
+    "word": {"_Method", "_Quality", "_Weight", "_PaperScale"},
     "words": {"str | Sequence[str]"},
     "size": {"_Size"},
     "number or text": {"float | str", "int | str", "float"},
@@ -97,7 +99,7 @@ def test_stubs_have_the_signatures_and_the_types_of_the_table() -> None:
 
 def test_words_of_the_stubs_are_those_of_the_table(cornell: Scene) -> None:
     text = Path(lightmesh.__file__).with_name("_native.pyi").read_text()
-    for alias, option in [("_Method", "method"), ("_Weight", "weight"), ("_PaperScale", "paper_scale")]:
+    for alias, option in [("_Method", "method"), ("_Quality", "quality"), ("_Weight", "weight"), ("_PaperScale", "paper_scale")]:
         literal = text.split(f"{alias}: TypeAlias = Literal[")[1].split("]")[0]
         words = [word.strip().strip('"') for word in literal.split(",")]
         with pytest.raises(OptionError) as caught:

@@ -10,6 +10,11 @@ pub(crate) fn is_kept(bound: f32, estimate: &ErrorEstimate) -> bool {
     estimate.all <= f64::from(bound) + 5e-4
 }
 
+/// Returns whether light by way of mirrors and glass is much of the light, or of the error.
+pub(crate) fn lacks_caustics(estimate: &ErrorEstimate) -> bool {
+    estimate.caustics > FEW_CAUSTICS.max(0.2 * estimate.all)
+}
+
 /// Says in one sentence how large the error is, and whether that is within the bound.
 pub(crate) fn verdict(bound: f32, estimate: &ErrorEstimate) -> String {
     let error = 100.0 * estimate.all;
@@ -17,17 +22,17 @@ pub(crate) fn verdict(bound: f32, estimate: &ErrorEstimate) -> String {
         return "every light is traced at every hit: the light is exact".into();
     }
     if is_kept(bound, estimate) {
-        return format!("the light's error is about {error:.1}%, verified by paths");
+        return format!("the picture's error is about {error:.1}%, verified by paths");
     }
     let asked = (1e4 * f64::from(bound)).round() / 100.0;
-    format!("the light's error is about {error:.1}%, more than the {asked}% asked for")
+    format!("the picture's error is about {error:.1}%, more than the {asked}% asked for")
 }
 
 /// Says it, then what the light lacks and what would help where the bound is not kept; a line each.
 pub(crate) fn lines(bound: f32, estimate: &ErrorEstimate) -> Vec<String> {
     let mut lines = vec![verdict(bound, estimate)];
     let ErrorEstimate { all, direct, bias, caustics, path_spp, .. } = *estimate;
-    if caustics > FEW_CAUSTICS.max(0.2 * all) {
+    if lacks_caustics(estimate) {
         lines.push(format!(
             "{:.1}% of the light comes by way of mirrors or glass, which gather rays find only by chance (caustics)",
             100.0 * caustics
@@ -56,7 +61,7 @@ mod tests {
     #[test]
     fn a_bound_that_is_kept_is_one_line() {
         let estimate = ErrorEstimate { all: 0.031, direct: 0.03, path_spp: 900, ..ErrorEstimate::default() };
-        assert_eq!(lines(0.05, &estimate), ["the light's error is about 3.1%, verified by paths"]);
+        assert_eq!(lines(0.05, &estimate), ["the picture's error is about 3.1%, verified by paths"]);
         assert_eq!(lines(0.05, &ErrorEstimate::default()).len(), 1);
     }
 

@@ -35,7 +35,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut options = args.options()?;
     let surroundings = args.surroundings();
     let wants_layers = !options.picture.aovs.is_empty();
-    let denoise = if args.denoise { prepare_denoise(&mut options, warn)? } else { None };
+    let denoise = match args.denoise {
+        true => prepare_denoise(&mut options, warn)?,
+        // A preview is denoised where it can be.
+        false if args.is_preview() => Denoise::prepare(&Places::of_process(), &mut options).unwrap_or_default(),
+        false => None,
+    };
     if args.chosen.get("size").is_some() {
         check_memory(args, &options, denoise.as_ref(), 0)?;
     }

@@ -13,7 +13,9 @@ pub fn json(options: &RenderOptions, emitters: &EmitterArgs, units: Units, camer
     let mut settings = Map::new();
     let surroundings = Surroundings { emitters: emitters.clone(), threads: None };
     // The picture is the same for every number of threads, and for every limit of memory that it keeps to.
-    RENDER.iter().filter(|entry| entry.about.name != "max-memory").for_each(|entry| put(&mut settings, entry, options));
+    // The quality is the error by name.
+    let render = RENDER.iter().filter(|entry| !["max-memory", "quality"].contains(&entry.about.name));
+    render.for_each(|entry| put(&mut settings, entry, options));
     let of_light = SURROUNDINGS.iter().filter(|entry| entry.about.name != "threads");
     of_light.for_each(|entry| put(&mut settings, entry, &surroundings));
     let units = match units {
@@ -101,6 +103,6 @@ mod tests {
             "{paper}"
         );
         let bounded = text(&RenderOptions { method: Method::with_error(0.05), ..RenderOptions::default() });
-        assert!(bounded.contains(r#""error":"0.05""#) && bounded.contains(r#""method":"mesh""#), "{bounded}");
+        assert!(bounded.contains(r#""error":"0.05""#) && bounded.contains(r#""method":"auto""#), "{bounded}");
     }
 }

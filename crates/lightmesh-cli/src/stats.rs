@@ -6,6 +6,8 @@ use lightmesh::{ErrorEstimate, Image, LightMesh, MeshStats, RayCounts, RenderOpt
 use lightmesh_io::output::Denoised;
 use serde::Serialize;
 
+use crate::error_report::{is_kept, lacks_caustics};
+
 /// The whole document; keys in this order.
 #[derive(Debug, Serialize)]
 pub struct Stats {
@@ -25,8 +27,10 @@ pub struct Stats {
     fallbacks: FallbackStats,
     /// The light that more bounces would add, as a fraction of all light; `null` if it is unknown.
     energy_left_out: Option<f64>,
-    /// The estimated error, with `--error`; 0 means that the light is exact.
+    /// The estimated error of the picture, with the method auto; 0 means that the light is exact.
     estimated_error: Option<f64>,
+    /// The same, what it is made of, and whether it is within the bound.
+    estimate: Option<EstimateStats>,
     /// What that error is made of.
     error_estimate: Option<ErrorStats>,
     /// Pixels that were infinite or not a number, and are black.
@@ -57,6 +61,7 @@ impl Stats {
             fallbacks: frame.into(),
             energy_left_out: frame.truncated_light,
             estimated_error: frame.estimated_error,
+            estimate: EstimateStats::of(options, frame),
             error_estimate: frame.error_estimate.map(Into::into),
             non_finite_pixels: frame.non_finite_pixels,
             denoiser: None,
@@ -170,6 +175,37 @@ impl From<RayCounts> for RayStats {
     fn from(rays: RayCounts) -> Self {
         Self { primary: rays.primary, shadow: rays.shadow, gather: rays.gather, secondary: rays.secondary }
     }
+}
+
+/// The error of a picture with a bound on it.
+#[derive(Debug, Serialize)]
+struct EstimateStats {
+    /// Of all light and all pixels: root mean square, relative to the picture's mean.
+    error: f64,
+    /// The part of it by noise of samples: on outlines, in textures, and of light that is found by chance.
+    edges: Option<f64>,
+    /// What the picture leaves out for the most part.
+    left_out: Vec<&'static str>,
+    /// Whether it is within the bound.
+    kept: bool,
+}
+
+impl EstimateStats {
+    fn of(options: &RenderOptions, frame: &RenderStats) -> Option<Self> {
+        let (bound, estimate) = (options.method.error()?, frame.error_estimate.as_ref()?);
+        let left_out = [("caustics", lacks_caustics(estimate)), ("further bounces", lacks_bounces(frame, bound))];
+        Some(Self {
+            error: estimate.all,
+            edges: frame.sampling_error,
+            left_out: left_out.into_iter().filter_map(|(name, is)| is.then_some(name)).collect(),
+            kept: is_kept(bound, estimate),
+        })
+    }
+}
+
+/// Whether further bounces would add more than the bound allows.
+fn lacks_bounces(frame: &RenderStats, bound: f32) -> bool {
+    frame.truncated_light.is_none_or(|part| part > f64::from(bound))
 }
 
 /// What verification by paths found out: relative root mean squares, and parts of all light.

@@ -5,15 +5,15 @@ use lightmesh::{Aov, Aovs, Method};
 /// Returns the layers of a picture by this method that have noise: the rest of its light is left as it is. None: the
 /// picture has no noise.
 ///
-/// - A mesh has none at a pixel: what there is comes from gather rays, in the indirect light. `hybrid`, and `mesh` with a
-///   bound on the error, also choose some shadow rays by chance; that noise is left in the direct light, whose shadows
-///   are sharp otherwise. The paper's method reads its mesh for everything.
+/// - A mesh has none at a pixel: what there is comes from gather rays and short rays, in the indirect light. `hybrid` and `auto`
+///   also choose some shadow rays by chance. The paper's method reads its mesh for everything.
 /// - `standard` shoots a ray to every light sample: to random points of lights that have a size, to the only point of
 ///   those that have none.
 /// - `unbiased` and `path` take random directions for all light.
 pub fn noisy_layers(method: Method, lights_have_size: bool) -> Aovs {
     let noisy: &[Aov] = match method {
-        Method::Mesh { .. } | Method::Hybrid => &[Aov::Indirect],
+        Method::Mesh { error: None } => &[Aov::Indirect],
+        Method::Mesh { error: Some(_) } | Method::Hybrid => &[Aov::Direct, Aov::Indirect],
         Method::Standard if lights_have_size => &[Aov::Direct],
         Method::Standard | Method::Paper { .. } => &[],
         Method::Unbiased { .. } | Method::Path => &[Aov::Direct, Aov::Indirect],

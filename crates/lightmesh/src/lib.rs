@@ -91,7 +91,7 @@ pub use light_mesh::{Cursor, DirectSnapshot, DirectValues, IndirectSnapshot, Lig
 pub use mesh::{Focus, LatticeShape};
 pub use options::{
     Aov, Aovs, Falloff, Interpolation, KeyDifference, Layer, Limits, MeshKey, MeshOptions, Method, MissingCorners,
-    PaperScale, PictureOptions, PointWeight, RenderOptions, Spacing, TransportOptions, schema,
+    PaperScale, PictureOptions, PointWeight, Quality, RenderOptions, Spacing, TransportOptions, schema,
 };
 pub use progress::{Progress, Stage};
 pub use scene::{

@@ -116,10 +116,10 @@ fn clusters_of_lights_travel_too() {
 #[test]
 fn finer_levels_travel_too() {
     let scene = Scene::new(room()).expect("scene");
-    for (method, refine) in [(Method::MESH, Some(2)), (Method::Hybrid, Some(1)), (Method::with_error(0.05), None)] {
+    for (method, refine) in [(Method::MESH, Some(2)), (Method::Hybrid, Some(1)), (Method::with_error(0.05), Some(1))] {
         let (_, contents) = check_shared(&scene, &with_bounces(method, 2).with(|o| o.mesh.refine = refine));
         let levels = contents.direct.points.lattices.len();
-        assert_eq!(levels, 1 + refine.unwrap_or(2) as usize);
+        assert_eq!(levels, 1 + refine.unwrap_or(0) as usize);
         let finest = |points: &lightmesh::PointSnapshot| points.addresses.iter().map(|a| a[0]).max();
         let indirect = contents.indirect.map(|indirect| finest(&indirect.points));
         assert!(finest(&contents.direct.points) > Some(0) || indirect.flatten() > Some(0), "{method:?}");

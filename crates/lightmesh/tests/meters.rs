@@ -281,7 +281,10 @@ fn options_that_need_a_picture_are_refused() {
             other => panic!("{other:?}"),
         }
     };
-    assert_eq!(refused(base.clone().with(|o| o.method = Method::with_error(0.05))), "error");
+    // An error is kept to in pictures: meters measure as *hybrid* does.
+    let [bounded, hybrid] = [Method::with_error(0.05), Method::Hybrid]
+        .map(|method| read(&scene, &meters_in_the_room(), &base.clone().with(|o| o.method = method)));
+    assert_eq!((bounded.direct, bounded.indirect), (hybrid.direct, hybrid.indirect));
     assert_eq!(refused(base.clone().with(|o| o.mesh.refine = Some(1))), "refine");
     assert_eq!(refused(base.clone().with(|o| o.mesh.lod_distance = Some(2.0))), "lod-distance");
     assert_eq!(

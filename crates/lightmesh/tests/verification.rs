@@ -82,7 +82,7 @@ fn interreflections_are_counted() {
     let estimate = frame.stats.error_estimate.expect("an estimate");
     assert_eq!(estimate.caustics, 0.0);
     assert!(estimate.all <= 2.0 * error.max(0.03), "{estimate:?} of {error}");
-    assert!(estimate.uncertainty <= 0.02 && estimate.path_spp > 0, "{estimate:?}");
+    assert!(estimate.uncertainty <= 0.035 && estimate.path_spp > 0, "{estimate:?}");
 }
 
 /// A picture without any light is exact if it is black.

@@ -51,7 +51,8 @@ class Farm:
 
 
 def render(scene: Scene, address: str | None = None, *, camera: CameraChoice = None, **options: Any) -> Image:
-    """Renders a picture on a cluster; the same, bit for bit, as `scene.render(camera=camera, ...)`.
+    """Renders a picture on a cluster; the same, bit for bit, as `scene.render(camera=camera, ...)` with the same number of samples of
+    every pixel: spp, or 4.
 
     options: those of `Scene.render`, and the fields of `Farm`.
     """
@@ -83,8 +84,10 @@ def bake(
 
     region: the least and the largest corner of a box, (2, 3), metres, in which all mesh points are filled as well; by
     this process alone, when the cameras are done.
-    options: as for `render`, with a method that has a mesh.
+    options: as for `render`, with a method that has a mesh; "mesh" if none is given, as of `LightMesh`.
     """
+    if not options.keys() & {"method", "error", "quality"}:
+        options = {**options, "method": "mesh"}
     with _plan(scene, cameras, "bake", address, options) as plan:
         plan.fill()
         plan.absorb()

@@ -97,7 +97,9 @@ class Pictures:
         if mesh is None and job.mesh is not None:
             mesh = mesh_from_bytes(self._scene, job.mesh, {**job.options, "threads": job.threads})
         if mesh is None and job.has_mesh:
-            mesh = LightMesh(self._scene, cameras=list(self._cameras), threads=job.threads, **job.options)
+            # No method: that of a picture.
+            options = {"method": None, **job.options}
+            mesh = LightMesh(self._scene, cameras=list(self._cameras), threads=job.threads, **options)
         self.mesh = mesh
         self._last: tuple[int, int | None, PictureJob] | None = None
 

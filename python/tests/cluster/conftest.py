@@ -17,6 +17,9 @@ os.environ["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
 
 #: Five waves, and a mesh that is filled in a second.
 OPTIONS: dict[str, Any] = {
+    "method": "mesh",
+    # What short rays meet is found while the picture is drawn.
+    "near_rays": 0,
     "size": (320, 256),
     "spp": 4,
     "bounces": 2,

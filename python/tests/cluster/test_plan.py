@@ -17,12 +17,12 @@ from lightmesh.cluster import JobMismatchError, bake, render, render_frames
 from lightmesh.cluster.local import LocalExecutor
 from lightmesh.cluster.task import Outcome, Shared, Task
 
-METHODS = ["mesh", "hybrid", "unbiased", "paper", "standard", "path"]
+METHODS = ["auto", "mesh", "hybrid", "unbiased", "paper", "standard", "path"]
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_picture_is_the_local_one(scene: Scene, method: str) -> None:
-    options = OPTIONS | {"method": method, "spp": 4 if method == "mesh" else 1}
+    options = OPTIONS | {"method": method, "spp": 4 if method == "mesh" else 1, "near_rays": 16}
     assert_same(render(scene, executor=LocalExecutor(2), **options), scene.render(**options))
 
 

@@ -2,7 +2,7 @@
 
 use clap::{ArgMatches, Args, FromArgMatches, builder::PossibleValue, parser::ValueSource};
 use lightmesh::schema::{About, Entry, Group, Kind, RENDER, Range, Value};
-use lightmesh::{EmitterOptions, Error, RenderOptions};
+use lightmesh::{EmitterOptions, Error, Method, RenderOptions};
 
 use super::environment::{self, EnvironmentArg};
 use crate::machine;
@@ -161,6 +161,13 @@ impl Chosen {
         self.values.push((name, value));
     }
 
+    /// Chooses a method where nothing chosen says one: neither itself, nor an error or a quality.
+    pub fn prefer_method(&mut self, method: Method) {
+        if ["method", "error", "quality"].iter().all(|name| self.get(name).is_none()) {
+            self.put("method", Value::text(method));
+        }
+    }
+
     /// Returns what was chosen, by the option's own name.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.values.iter().find(|(own, _)| *own == name).map(|(_, value)| value)
@@ -169,6 +176,10 @@ impl Chosen {
     /// Returns these, with the others in place of what both choose.
     pub fn over(&self, others: &Self) -> Self {
         let mut all = self.clone();
+        // An error and a quality are one choice, and go with the method.
+        if ["method", "error", "quality"].iter().any(|name| others.get(name).is_some()) {
+            all.values.retain(|(name, _)| !["error", "quality"].contains(name));
+        }
         others.values.iter().for_each(|(name, value)| all.put(name, value.clone()));
         all
     }
@@ -279,8 +290,9 @@ mod tests {
     #[test]
     fn nothing_chosen_is_the_default() {
         let limits = Limits { max_memory: machine::default_limit() };
-        // Beside the library's, samples follow the noise.
-        let options = RenderOptions { limits, ..RenderOptions::default() }.with(|o| o.picture.most_spp = Some(64));
+        // Beside the library's, the method *auto*, and samples that follow the noise.
+        let options = RenderOptions { limits, method: Method::AUTO, ..RenderOptions::default() };
+        let options = options.with(|o| o.picture.most_spp = Some(64));
         assert_eq!(Chosen::default().render_options().expect("options"), options);
         assert_eq!(Chosen::default().surroundings(), Surroundings::default());
     }

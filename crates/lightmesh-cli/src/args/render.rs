@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lightmesh::{Error, RenderOptions};
+use lightmesh::{Error, Quality, RenderOptions};
 use lightmesh_io::{LoadOptions, Units};
 
 use super::{
@@ -48,7 +48,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, help_heading = "Output")]
     pub(crate) strict: bool,
     /// Take the noise out of the finished picture with Open Image Denoise (docs/denoising.md), which is installed apart, as by
-    /// `pip install pyoidn`; the picture is then not bit for bit the same on every machine
+    /// `pip install pyoidn`; the picture is then not bit for bit the same on every machine. With --quality preview it is done
+    /// wherever the library is installed
     #[arg(long, help_heading = "Output")]
     pub(crate) denoise: bool,
     /// Say nothing but errors
@@ -92,6 +93,11 @@ impl RenderArgs {
         self.chosen.render_options()
     }
 
+    /// Returns whether `--quality preview` is asked for.
+    pub(crate) fn is_preview(&self) -> bool {
+        self.chosen.get("quality").is_some_and(|quality| quality.as_text() == Quality::Preview.name())
+    }
+
     /// Returns what there is beside the library's options.
     pub(crate) fn surroundings(&self) -> Surroundings {
         self.chosen.surroundings()
@@ -133,12 +139,13 @@ mod tests {
         parse(args).unwrap().options().unwrap()
     }
 
-    /// Nothing said: the library's defaults, all of them but the memory, which depends on the machine, and samples that follow
-    /// the noise.
+    /// Nothing said: the library's defaults but for the memory, which depends on the machine, the method *auto*, and samples
+    /// that follow the noise.
     #[test]
     fn defaults_are_the_librarys() {
         let limits = Limits { max_memory: crate::machine::default_limit() };
-        let expected = RenderOptions { limits, ..RenderOptions::default() }.with(|o| o.picture.most_spp = Some(64));
+        let expected = RenderOptions { limits, method: Method::AUTO, ..RenderOptions::default() };
+        let expected = expected.with(|o| o.picture.most_spp = Some(64));
         assert_eq!(options(&[]), expected);
         assert_eq!(parse(&[]).unwrap().surroundings(), Surroundings::default());
     }
@@ -146,7 +153,7 @@ mod tests {
     #[test]
     fn what_is_said_reaches_the_options() {
         let options = options(&["--graded", "2.5", "--aov", "depth", "--aov", "albedo", "--spacing", "1/80"]);
-        assert_eq!((options.method, options.mesh.lod_distance), (Method::MESH, Some(2.5)));
+        assert_eq!((options.method, options.mesh.lod_distance), (Method::AUTO, Some(2.5)));
         assert_eq!((options.picture.aovs.iter().count(), options.mesh.spacing), (2, Spacing::Fraction(80.0)));
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 use lightmesh::geometry::{Sphere, TriangleMesh};
-use lightmesh::{Camera, Instance, Light, SceneData};
+use lightmesh::{Camera, Instance, Light, Method, SceneData};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -279,11 +279,12 @@ impl PyScene {
     ///
     /// camera: a Camera, or the name or index of one of the scene's; None: the first, or one that frames the scene.
     /// size: (width, height) or "WxH", pixels; None: 1280 wide, the height from the camera's aspect.
-    /// method: "mesh", "paper", "standard" (also called "exact"), "hybrid", "unbiased" or "path".
+    /// method: "auto" (None), "mesh", "paper", "standard" (also called "exact"), "hybrid", "unbiased" or "path". quality:
+    /// "preview", "normal" (None) or "final", with "auto": an error of 10, 5 or 2% of the picture's mean.
     /// spp: samples per pixel; None: 4, and up to most_spp (None: 64) where there is noise; with time_limit (seconds) as
     /// many as there is time for.
-    /// bounces: diffuse interreflections. error: bound on the error of the light, relative to the picture's mean; None:
-    /// none.
+    /// bounces: diffuse interreflections. error: bound on the error of the picture, relative to its mean, with
+    /// "auto", in place of quality.
     /// depth, cutoff: how far mirrored and refracted rays are followed. falloff: "r2" or "C+r".
     /// light_error: error of the sum over many lights. seed: of all randomness.
     /// environment: .hdr or .exr file, (r, g, b) or "#rrggbb", in place of the scene's; environment_strength multiplies
@@ -312,7 +313,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, denoise=false, **options),
-        text_signature = "($self, *, camera=None, size=None, method='mesh', spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
+        text_signature = "($self, *, camera=None, size=None, method=None, quality=None, spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
@@ -352,8 +353,11 @@ impl PyScene {
         progress: Option<&Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        // error, refine, lod_distance and time_limit are known too, so that it is said why meters do not have them.
-        let chosen = keywords::chosen_without("irradiance", &["size", "aov", "cutoff"], options)?;
+        // error, quality, refine, lod_distance and time_limit are known too, so that it is said why meters do not have them.
+        let mut chosen = keywords::chosen_without("irradiance", &["size", "aov", "cutoff"], options)?;
+        if mesh.is_none() {
+            chosen.prefer_method(Method::MESH);
+        }
         let meters = arrays::meters(positions, normals)?;
         let lit = light_mesh::lit_scene(slf, mesh, &chosen, None)?;
         let options = lit.keywords.mesh_options();

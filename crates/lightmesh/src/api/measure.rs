@@ -26,7 +26,7 @@ pub struct Measured {
 ///
 /// | method | direct | indirect |
 /// |---|---|---|
-/// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`] | read from `mesh`, which is filled as needed | the same |
+/// | [`Method::Mesh`], [`Method::Paper`], [`Method::Hybrid`]; with an error as `Hybrid` | read from `mesh`, which is filled as needed | the same |
 /// | [`Method::Unbiased`] | its number of shadow rays, the mesh as control variate | as many gather rays |
 /// | [`Method::Standard`] | a shadow ray to every light sample | none |
 /// | [`Method::Path`] | [`PictureOptions::spp`](crate::PictureOptions::spp) samples | their paths |
@@ -61,8 +61,8 @@ pub struct Measured {
 ///
 /// # Errors
 /// [`Error::InvalidMeter`] names the first meter that is not finite or faces nowhere. [`Error::InvalidOption`] for
-/// options out of range, a mesh that was made for others, and options that need a picture: `error`, `refine` and
-/// `graded` put mesh points and rays where a picture needs them, `time_limit` ends when every pixel has a sample.
+/// options out of range, a mesh that was made for others, and options that need a picture: `refine` and
+/// `lod-distance` put mesh points and rays where a picture needs them, `time_limit` ends when every pixel has a sample.
 /// [`Error::OutOfMemory`] before an allocation that would exceed `options.limits.max_memory`; [`Error::Cancelled`] soon
 /// after `progress` says so.
 pub fn measure(
@@ -97,11 +97,6 @@ pub fn measure(
 /// Refuses what only a picture can decide.
 fn check_options(options: &RenderOptions) -> Result<(), Error> {
     let refused = [
-        (
-            "error",
-            options.method.error().is_some(),
-            "is kept to in a picture; meters take the method hybrid, unbiased or standard",
-        ),
         ("refine", options.resolved().refinements > 0, "follows a picture; meters take a smaller spacing"),
         ("lod-distance", options.mesh.lod_distance.is_some(), "follows a camera; meters take a smaller spacing"),
         ("time-limit", options.picture.time_limit.is_some(), "is for pictures; every meter is measured"),

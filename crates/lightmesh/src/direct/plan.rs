@@ -6,6 +6,10 @@ use crate::mesh::CornerVisibility;
 use crate::sampling::{fold_seed, hash};
 use crate::{Interpolation, Method, RenderOptions};
 
+/// Gather rays of a pixel whose surfaces gather themselves, shared by its samples, and the most of a sample. Judgements.
+const GATHER_RAYS_OF_PIXEL: u32 = 128;
+const MOST_GATHER_RAYS: u32 = 64;
+
 /// How surfaces get their light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LightingPlan {
@@ -42,6 +46,8 @@ pub(crate) enum Indirect {
     },
     /// From gather rays of their own, which read the mesh where they end.
     FinalGather {
+        /// Rays of each hit.
+        rays: u32,
         /// Other seeds give other rays.
         seed: u64,
     },
@@ -77,15 +83,28 @@ impl LightingPlan {
         Self { primary, gather, indirect }
     }
 
-    /// Returns the plan for a hit that is the only sample of what it shows.
-    pub(crate) fn of_single_samples(options: &RenderOptions) -> Self {
-        Self::of(&options.clone().with(|o| o.picture.spp = 1))
+    /// Returns the plan for meters, each of which is the only sample of what it shows. What a picture would choose for an
+    /// error is for meters what *hybrid* does.
+    pub(crate) fn of_meters(options: &RenderOptions) -> Self {
+        let plan = Self::of(&options.clone().with(|o| o.picture.spp = 1));
+        match options.method.error() {
+            Some(_) => Self { primary: Shading::per_light(SamplingPolicy::HYBRID, options), ..plan },
+            None => plan,
+        }
+    }
+
+    /// Returns how many gather rays each of so many samples of a pixel shoots, where surfaces gather themselves.
+    pub(crate) fn gather_rays(spp: u32) -> u32 {
+        GATHER_RAYS_OF_PIXEL.div_ceil(spp).min(MOST_GATHER_RAYS)
     }
 
     /// Returns the plan for pixels that have so many samples in all.
     pub(crate) fn with_samples(self, options: &RenderOptions, spp: u32) -> Self {
         let indirect = match self.indirect {
-            Indirect::Mesh { near_rays: 1.. } => Indirect::Mesh { near_rays: options.mesh.near_rays.div_ceil(spp) },
+            Indirect::Mesh { near_rays } => {
+                Indirect::Mesh { near_rays: (near_rays * options.picture.spp).div_ceil(spp) }
+            }
+            Indirect::FinalGather { seed, .. } => Indirect::FinalGather { rays: Self::gather_rays(spp), seed },
             other => other,
         };
         Self { indirect, ..self }

@@ -11,7 +11,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::bright_spots::BrightSpots;
+use super::spots::BrightSpots;
 use crate::geometry::Aabb;
 use crate::interaction::ShadingPoint;
 use crate::mesh::{AmbientCube, CachedReader, CornerVisibility, Interpolator, Levels, Marks, Points, ReadResult};

@@ -15,9 +15,6 @@ use crate::interaction::ShadingPoint;
 use crate::mesh::Marks;
 use crate::sampling::{seed_of_surface, unit_f32};
 
-/// Rays per surface point for a picture's truth: pixels have several samples.
-const RAYS: u32 = 64;
-
 /// Most rays from a surface of the picture that no mesh point can serve; those that count for less in the picture,
 /// behind several panes of glass, get fewer, one at least.
 const FIRST_RAYS: u32 = 2;
@@ -34,23 +31,6 @@ const LEAST_SHARE: f32 = 0.1;
 const OTHER_RAYS: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl IndirectField {
-    /// Computes the indirect irradiance at each of the points after so many `bounces`: formula (4) over their own
-    /// hemispheres, with the mesh read where the rays end. Other seeds give other rays.
-    ///
-    /// # Errors
-    /// As [`IndirectField::fill`].
-    pub(crate) fn final_gather(
-        &mut self,
-        direct: &mut DirectLighting<'_, '_>,
-        marks: &mut Marks,
-        points: &[ShadingPoint],
-        bounces: u32,
-        seed: u64,
-    ) -> Result<Vec<Vec3>, Error> {
-        let paths = GatherPaths { bounces, rays: RAYS, seed, go_on: GoOn::WithoutMesh };
-        self.estimate_unbiased(direct, marks, points, paths)
-    }
-
     /// Computes the indirect irradiance at points of the picture that cannot read the mesh: few rays where what they
     /// find cannot read it either, more elsewhere. Each point's rays depend on it alone.
     ///

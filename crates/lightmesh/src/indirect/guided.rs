@@ -10,9 +10,9 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::bright_spots::{BrightSpot, BrightSpots, SpotShape};
 use super::gather::GatherRays;
-use super::spot_directions::SpotDirections;
+use super::spots::SpotDirections;
+use super::spots::{BrightSpot, BrightSpots, SpotShape};
 use crate::geometry::Ray;
 use crate::interaction::{VisibilityScratch, visibility};
 use crate::sampling::{hash, unit_f32};

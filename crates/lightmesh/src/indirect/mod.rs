@@ -1,7 +1,6 @@
 //! Indirect light: formula (4) at mesh points, bounce by bounce, and formula (6) over them.
 
 mod bounce;
-mod bright_spots;
 mod control_variate;
 mod field;
 mod final_gather;
@@ -9,11 +8,8 @@ mod gather;
 mod guided;
 mod near_light;
 mod probing;
-mod rectangle;
 mod shifted_faces;
-mod spot_directions;
-mod spot_search;
-mod sun_patches;
+mod spots;
 mod transfers;
 
 pub(crate) use bounce::POINTS_AT_ONCE;

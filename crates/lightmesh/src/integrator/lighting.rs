@@ -165,8 +165,9 @@ fn add_indirect(
             direct.stats.gather_fallbacks += unresolved.len() as u64;
             field.gather_without_mesh(&mut direct, marks, &unresolved, bounces, seed)?
         }
-        Indirect::FinalGather { seed: other } => {
-            field.final_gather(&mut direct, marks, &unresolved, bounces, seed ^ other << 32)?
+        Indirect::FinalGather { rays, seed: other } => {
+            let paths = GatherPaths { bounces, rays, seed: seed ^ other << 32, go_on: GoOn::WithoutMesh };
+            field.estimate_unbiased(&mut direct, marks, &unresolved, paths)?
         }
         Indirect::Unbiased { rays, seed } => {
             let paths = GatherPaths { bounces, rays, seed, go_on: GoOn::Everywhere };

@@ -30,11 +30,13 @@ pub(crate) fn measure_waves(
     let mut stats = RenderStats::default();
     let reporter = Reporter::new(progress, Stage::Measure, meters.len() as u64);
     // Where no mesh reaches, light is exact, except for what gather rays read where they end.
-    let plan = LightingPlan::of_single_samples(options);
+    let plan = LightingPlan::of_meters(options);
     let plan_outside = match plan.indirect {
-        Indirect::None | Indirect::Mesh { .. } => {
-            LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed: 0 }, ..plan }
-        }
+        Indirect::None | Indirect::Mesh { .. } => LightingPlan {
+            primary: Shading::Exact,
+            indirect: Indirect::FinalGather { rays: LightingPlan::gather_rays(1), seed: 0 },
+            ..plan
+        },
         Indirect::FinalGather { .. } | Indirect::Unbiased { .. } => LightingPlan { primary: Shading::Exact, ..plan },
     };
     let mut blocks: Vec<PointBlock> = (0..BLOCKS_PER_WAVE).map(|_| PointBlock::default()).collect();

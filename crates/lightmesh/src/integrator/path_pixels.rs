@@ -72,7 +72,7 @@ pub(super) fn trace_pixels(
                 sums
             })
             .collect();
-        reporter.add(0, tracer.rays.total());
+        reporter.add(pixels.iter().map(|samples| samples.len() as u64).sum(), tracer.rays.total());
         (sums, tracer.rays)
     };
     let blocks: Vec<_> = pixels.par_chunks(BLOCK).map(trace).collect();

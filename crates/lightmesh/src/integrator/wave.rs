@@ -20,8 +20,9 @@ pub(super) const BLOCKS_PER_WAVE: usize = 128;
 pub(super) const RAYS: usize = BLOCK * BLOCKS_PER_WAVE;
 const _: () = assert!(RAYS as u64 == WAVE);
 
-/// The error by noise that is enough, as a part of the bound on the error. Measured: docs/near-light.md.
-const NOISE_SHARE: f64 = 0.5;
+/// The error by noise that is enough: what the rest of the error leaves of the bound, but not less and not more than these
+/// parts of it. Measured: docs/near-light.md.
+const NOISE_SHARES: (f64, f64) = (0.4, 0.6);
 
 /// The error where no bound is given, and how many times the first samples may then be added to. A judgement: noise that
 /// is everywhere takes a better way to find light, not a picture that takes an hour.
@@ -77,12 +78,18 @@ impl<'a> WaveFrame<'a> {
             self.draw(film, plan, WaveSink::Film, clock, &reporter, stats)?;
         }
         if let Some(most_spp) = options.most_spp() {
-            let bound = noise_bound(most_spp, film, options);
+            let bound = noise_bound(most_spp, film, options, stats.estimated_error);
             let error = take_more_samples(film, bound, clock, |film, clock, reporter| {
                 let plan = plan.with_samples(options, film.samples_of_pixel());
                 self.draw(film, plan, WaveSink::Film, clock, reporter, stats)
             })?;
             stats.sampling_error = Some(error);
+            if let Some(all) = &mut stats.estimated_error {
+                *all = all.hypot(error);
+            }
+            if let Some(estimate) = &mut stats.error_estimate {
+                estimate.all = estimate.all.hypot(error);
+            }
         }
         Ok(())
     }
@@ -206,12 +213,13 @@ impl<'a> WaveFrame<'a> {
     }
 }
 
-/// How much noise a picture may have.
-fn noise_bound(most_spp: u32, film: &Film, options: &RenderOptions) -> NoiseBound {
-    let error = options.method.error();
-    let most = match error {
-        Some(_) => u64::MAX,
-        None => MOST_MORE * film.pixel_count() * u64::from(options.picture.spp),
+/// How much noise a picture may have whose other error is `rest`.
+fn noise_bound(most_spp: u32, film: &Film, options: &RenderOptions, rest: Option<f64>) -> NoiseBound {
+    let Some(bound) = options.method.error().map(f64::from) else {
+        let most = MOST_MORE * film.pixel_count() * u64::from(options.picture.spp);
+        return NoiseBound { most_spp, error: 0.5 * DEFAULT_ERROR, most };
     };
-    NoiseBound { most_spp, error: NOISE_SHARE * error.map_or(DEFAULT_ERROR, f64::from), most }
+    let left = (bound * bound - rest.map_or(0.0, |rest| rest * rest)).max(0.0).sqrt();
+    let (least, most) = (NOISE_SHARES.0 * bound, NOISE_SHARES.1 * bound);
+    NoiseBound { most_spp, error: left.clamp(least, most), most: u64::MAX }
 }

@@ -122,8 +122,7 @@ impl MeshKey {
     }
 
     fn method_in_words(&self) -> String {
-        let bound = if self.error_bound { " and a bound on its error" } else { "" };
-        format!("{}{bound}", self.method)
+        self.method.to_string()
     }
 }
 
@@ -152,7 +151,7 @@ mod tests {
             "was made with spacing auto, and the options ask for 1/80"
         );
         let message = difference(|o| o.method = Method::with_error(0.1)).expect("differs");
-        assert_eq!(message, "was made with method mesh, and the options ask for mesh and a bound on its error");
+        assert_eq!(message, "was made with method mesh, and the options ask for auto");
         assert!(difference(|o| o.seed = 7).expect("differs").contains("seed 0"));
     }
 

@@ -36,9 +36,6 @@ impl Default for PictureOptions {
 }
 
 impl PictureOptions {
-    /// The most samples of a pixel where nothing is said of samples: by name, as the command line and Python say it.
-    pub const AUTO_MOST_SPP: u32 = 64;
-
     /// The most samples that a pixel can have, and what a time limit allows where no number is said.
     pub const MOST_SPP: u32 = 1 << 16;
 

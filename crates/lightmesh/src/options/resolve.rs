@@ -24,13 +24,11 @@ impl RenderOptions {
 
     /// Returns the options of the meshes with nothing left open.
     pub(crate) fn resolved(&self) -> ResolvedMesh {
-        let bounded = self.method.error().is_some();
         let spacing = |spacing, auto| if spacing == Spacing::Auto { Spacing::Fraction(auto) } else { spacing };
-        let indirect = if bounded { Spacing::AUTO_INDIRECT_ERROR } else { Spacing::AUTO_INDIRECT };
-        let refinements = self.mesh.refine.unwrap_or(if bounded { 2 } else { 0 });
+        let refinements = self.mesh.refine.unwrap_or(0);
         ResolvedMesh {
             spacing: spacing(self.mesh.spacing, Spacing::AUTO),
-            indirect_spacing: spacing(self.mesh.indirect_spacing, indirect),
+            indirect_spacing: spacing(self.mesh.indirect_spacing, Spacing::AUTO_INDIRECT),
             interpolation: match self.mesh.interpolation {
                 Interpolation::Auto if self.method.is_paper() => {
                     Interpolation::Sphere { radius: Interpolation::DEFAULT_RADIUS }
@@ -56,8 +54,7 @@ mod tests {
         assert_eq!(resolved(Method::PAPER).interpolation, Interpolation::Sphere { radius: 1.5 });
         let (free, bounded) = (resolved(Method::MESH), resolved(Method::with_error(0.05)));
         assert_eq!((free.spacing, free.indirect_spacing), (Spacing::Fraction(64.0), Spacing::Fraction(30.0)));
-        assert_eq!(bounded.indirect_spacing, Spacing::Fraction(45.0));
-        assert_eq!((free.refinements, bounded.refinements), (0, 2));
+        assert_eq!((free, free.refinements), (bounded, 0));
         let near = RenderOptions::default().with(|o| o.mesh.lod_distance = Some(2.0)).resolved();
         assert_eq!((near.refinements, near.finer_levels), (0, 3));
     }

@@ -4,8 +4,8 @@
 pub use super::limits::{parse_bytes, spell_bytes};
 pub use super::value::{Kind, Range, Value, Word, closest};
 use super::{
-    Aov, Expected, Falloff, Interpolation, Method, PaperScale, PictureOptions, PointWeight, RenderOptions, Spacing,
-    limits, method,
+    Aov, Expected, Falloff, Interpolation, Method, PaperScale, PictureOptions, PointWeight, Quality, RenderOptions,
+    Spacing, limits, method,
 };
 use crate::Error;
 
@@ -126,7 +126,7 @@ impl<T> Entry<T> {
 }
 
 /// The methods with a mesh.
-const MESHES: &[&str] = &["mesh", "paper", "hybrid", "unbiased"];
+const MESHES: &[&str] = &["auto", "mesh", "paper", "hybrid", "unbiased"];
 
 /// The syntax of a type that reads and spells itself.
 const fn syntax(normal: fn(&str) -> Option<String>, expected: &'static str, numbers: bool) -> Kind {
@@ -152,7 +152,7 @@ const SECONDS: Kind = syntax(
 const BYTES: Kind = syntax(|text| limits::parse_bytes(text).map(limits::spell_bytes), limits::EXPECTED_BYTES, true);
 
 /// Every field of [`RenderOptions`], in the order of `--help`.
-pub const RENDER: [Entry<RenderOptions>; 25] = [
+pub const RENDER: [Entry<RenderOptions>; 26] = [
     Entry {
         about: About {
             name: "size",
@@ -190,6 +190,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             kind: Kind::Word { words: &method::NAMES, aliases: &method::ALIASES },
             value_name: "METHOD",
             help: "How light is computed",
+            default_note: Some("auto; mesh with an --interpolation that single lights are not read by"),
             ..About::PLAIN
         },
         get: |o| Some(Value::text(o.method)),
@@ -201,19 +202,38 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
     },
     Entry {
         about: About {
+            name: "quality",
+            kind: Kind::Word { words: &Quality::NAMES, aliases: &[] },
+            value_name: "QUALITY",
+            help: "How good the picture is to be, with --method auto",
+            default_note: Some("normal"),
+            methods: &["auto"],
+            since: "0.2",
+            ..About::PLAIN
+        },
+        get: |o| Quality::of(o.method).map(|quality| Value::text(quality.name())),
+        set: |o, value| {
+            if let (Method::Mesh { error: Some(error) }, Some(quality)) =
+                (&mut o.method, Quality::named(value.as_text()))
+            {
+                *error = quality.error();
+            }
+        },
+    },
+    Entry {
+        about: About {
             name: "error",
             kind: Kind::Real(Range::Positive),
             value_name: "E",
-            help: "Keep the error of the light, relative to the picture's mean, at most so large (0.05 is 5%); with \
-                   --method mesh: it then reads the mesh light by light and shoots as many shadow rays as that takes, \
-                   all of them where lights are few",
-            methods: &["mesh"],
+            help: "Keep the error of the picture, relative to its mean, at most so large (0.05 is 5%), in place of --quality",
+            default_note: Some("that of --quality"),
+            methods: &["auto"],
             ..About::PLAIN
         },
         get: |o| o.method.error().map(Value::single),
         set: |o, value| {
-            if let Method::Mesh { error } = &mut o.method {
-                *error = Some(value.real());
+            if let Method::Mesh { error: Some(error) } = &mut o.method {
+                *error = value.real();
             }
         },
     },
@@ -239,7 +259,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             help: "Most samples of a pixel: those with most noise, on outlines and where few rays are not enough, get more \
                    than --spp, until the noise of the picture is half of --error, or 2.5% of its mean",
             default_note: Some("64; with --spp or --time-limit the same number for all"),
-            methods: &["mesh", "paper", "hybrid", "standard"],
+            methods: &["auto", "mesh", "paper", "hybrid", "standard"],
             since: "0.2",
             ..About::PLAIN
         },
@@ -265,7 +285,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             value_name: "N",
             help: "Diffuse interreflections, 0 to 4096; 0: direct light only; 1: the paper; --method standard \
                    computes none",
-            methods: &["mesh", "paper", "hybrid", "unbiased", "path"],
+            methods: &["auto", "mesh", "paper", "hybrid", "unbiased", "path"],
             ..About::PLAIN
         },
         get: |o| Some(Value::Whole(o.transport.bounces.into())),
@@ -347,7 +367,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             kind: SPACING,
             value_name: "METRES|1/K|auto",
             group: Group::Mesh,
-            help: "Distance between points of the indirect mesh; auto is 1/30, with --error 1/45",
+            help: "Distance between points of the indirect mesh; auto is 1/30",
             methods: MESHES,
             ..About::PLAIN
         },
@@ -375,7 +395,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             group: Group::Mesh,
             help: "Short rays per pixel that find the indirect light and shade of what is nearer than 1.5 spacings of \
                    the indirect mesh, 0 to 65536; 0: what the mesh says",
-            methods: &["mesh", "hybrid"],
+            methods: &["auto", "mesh", "hybrid"],
             since: "0.2",
             ..About::PLAIN
         },
@@ -389,7 +409,7 @@ pub const RENDER: [Entry<RenderOptions>; 25] = [
             value_name: "N",
             group: Group::Mesh,
             help: "How often the meshes may halve their spacing where their light is not good enough, 0 to 4",
-            default_note: Some("0, with --error 2"),
+            default_note: Some("0"),
             methods: MESHES,
             ..About::PLAIN
         },
@@ -527,32 +547,54 @@ pub fn named(name: &str) -> Option<&'static Entry<RenderOptions>> {
 impl RenderOptions {
     /// Returns the options with these values, which [`About::read`] has returned, and the defaults for the rest. With a
     /// time limit and no number of samples, there are as many as there is time for; where nothing is said of samples, up to
-    /// 64 where there is noise.
+    /// 64 where there is noise. Without a method it is `auto`, and `mesh` where single lights cannot be read.
     ///
     /// # Errors
-    /// [`Error::InvalidOption`] for a bound on the error of another method than `mesh`. Other options that the method
+    /// [`Error::InvalidOption`] for an error, or a quality, of another method than `auto`, or both. Other options that the method
     /// does not have do nothing.
     pub fn chosen<'a>(values: impl Fn(&str) -> Option<&'a Value>) -> Result<Self, Error> {
-        let mut options = Self::default();
-        // The method first: others are kept in it.
-        if let (Some(entry), Some(method)) = (named("method"), values("method")) {
-            (entry.set)(&mut options, method);
+        // The method first: others are kept in it. *mesh* with an error is *auto*, whatever it is called.
+        let method = match values("method") {
+            Some(name) => Method::named(name.as_text()).unwrap_or_default(),
+            None if values("interpolation").is_none_or(reads_single_lights) => Method::AUTO,
+            None => Method::MESH,
+        };
+        let has_error = method == Method::MESH && values("error").is_some();
+        let mut options = Self { method: if has_error { Method::AUTO } else { method }, ..Self::default() };
+        let others = RENDER.iter().filter(|entry| entry.about.name != "method");
+        for (entry, value) in others.filter_map(|entry| Some((entry, values(entry.about.name)?))) {
+            (entry.set)(&mut options, value);
         }
-        for entry in RENDER.iter().filter(|entry| entry.about.name != "method") {
-            if let Some(value) = values(entry.about.name) {
-                (entry.set)(&mut options, value);
-            }
-        }
+
+        // Samples, as they go with the method, and what does not go with it.
+        let (spp, most_spp) = method::samples_for(options.method);
         match (values("spp"), values("time-limit"), values("most-spp")) {
-            (None, None, None) => options.picture.most_spp = Some(PictureOptions::AUTO_MOST_SPP),
+            (None, None, most) => {
+                options.picture.spp = spp;
+                options.picture.most_spp = options.picture.most_spp.filter(|_| most.is_some()).or(Some(most_spp));
+            }
             (None, Some(_), _) => options.picture.spp = PictureOptions::MOST_SPP,
             _ => {}
         }
-        if values("error").is_some() && options.method.error().is_none() {
-            return Err(Error::InvalidOption { option: "error", what: "is kept to by the method mesh alone".into() });
+        let refused = match (values("error"), values("quality")) {
+            (Some(_), Some(_)) => Some(("quality", "is an error by name: give one of them")),
+            (Some(_), _) if options.method.error().is_none() => Some(("error", "is kept to by the method auto alone")),
+            (_, Some(_)) if options.method.error().is_none() => {
+                Some(("quality", "is kept to by the method auto alone"))
+            }
+            _ => None,
+        };
+        if let Some((option, what)) = refused {
+            return Err(Error::InvalidOption { option, what: what.into() });
         }
         Ok(options)
     }
+}
+
+/// Whether single lights can be read by an interpolation of this name.
+fn reads_single_lights(name: &Value) -> bool {
+    let unread = |way| matches!(way, Interpolation::Sphere { .. } | Interpolation::TrilinearWith(_));
+    !unread(parsed::<Interpolation>(name))
 }
 
 #[cfg(test)]
@@ -566,7 +608,7 @@ mod tests {
         match about.kind {
             Kind::Whole(min, _) => Value::Whole(min + 2),
             Kind::Real(_) => Value::single(0.5),
-            Kind::Word { words, .. } => Value::text(words[1].0),
+            Kind::Word { words, .. } => Value::text(words[words.len() - 1].0),
             Kind::Words(words) => Value::text(words[2].0),
             Kind::Size => Value::text("64x48"),
             Kind::Syntax { .. } => Value::text(match about.name {
@@ -588,7 +630,9 @@ mod tests {
             assert_ne!((entry.get)(&options), Some(value.clone()), "{}", entry.about.name);
             (entry.set)(&mut options, &value);
             assert_eq!((entry.get)(&options), Some(value), "{}", entry.about.name);
-            let mut others = RENDER.iter().filter(|other| other.about.name != entry.about.name);
+            // A quality is an error by name.
+            let is_same = |name| name == entry.about.name || ["error", "quality"].contains(&name);
+            let mut others = RENDER.iter().filter(|other| !is_same(other.about.name));
             let before = RenderOptions { method: options.method, ..RenderOptions::default() };
             assert!(others.all(|other| (other.get)(&options) == (other.get)(&before) || entry.about.name == "method"));
         }
@@ -628,9 +672,15 @@ mod tests {
             let values: Vec<(&str, Value)> = pairs.iter().map(read).collect();
             RenderOptions::chosen(|name| values.iter().find(|(key, _)| *key == name).map(|(_, value)| value))
         };
-        let defaults = RenderOptions::default().with(|o| o.picture.most_spp = Some(64));
+        let defaults = RenderOptions::default().with(|o| (o.method, o.picture.most_spp) = (Method::AUTO, Some(64)));
         assert_eq!(choose(&[]).expect("defaults"), defaults);
-        assert_eq!(choose(&[("spp", "4")]).expect("options"), RenderOptions::default());
+        assert_eq!(choose(&[("spp", "4"), ("method", "mesh")]).expect("options"), RenderOptions::default());
+        let preview = choose(&[("quality", "preview")]).expect("options");
+        assert_eq!((preview.method, preview.picture.spp), (Method::with_error(0.1), 2));
+        assert_eq!(choose(&[("interpolation", "sphere")]).expect("options").method, Method::MESH);
+        assert_eq!(choose(&[("method", "mesh"), ("error", "0.1")]).expect("options"), preview);
+        assert!(choose(&[("error", "0.1"), ("quality", "final")]).is_err());
+        assert!(choose(&[("quality", "final"), ("method", "hybrid")]).is_err());
         let options = choose(&[("rays", "8"), ("method", "unbiased"), ("time-limit", "2")]).expect("options");
         assert_eq!((options.method, options.picture.spp), (Method::unbiased(8), 65536));
         let options = choose(&[("time-limit", "2"), ("spp", "8"), ("graded", "2.5")]).expect("options");

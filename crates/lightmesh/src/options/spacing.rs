@@ -28,10 +28,6 @@ impl Spacing {
 
     /// Where there are fewer light samples than this, the points of a finer direct mesh cost no more shadow rays.
     const FEW_LIGHTS: f32 = 15.0;
-    /// Of the indirect mesh where there is a bound on the error: gather hits read its first level, whose light is half
-    /// a cell off the wall. Measured on the staircase at 5%, two refinements: bias +3.0% with 1/30, +2.6% with this.
-    pub(crate) const AUTO_INDIRECT_ERROR: f32 = 45.0;
-
     pub(super) const EXPECTED: &'static str = "metres above 0, 1/K of the scene's longest edge, or auto";
 
     /// Returns how many times finer the direct mesh is by default in a scene of so many light samples. Measured with all

@@ -1,12 +1,14 @@
 //! Keeping all light within a bound: plans from the cheapest to the most expensive, verified by paths until one of them
 //! is good enough.
 //!
-//! 1. direct light by the cheapest policy within the bound (`error_bound.rs`), indirect light from the mesh;
-//! 2. more shadow rays, where direct light leaves too little of the bound to the rest, and if a ray to each light sample is
-//!    still too noisy, those of *hybrid*, which go where a window is;
-//! 3. gather rays at every surface, where it is the indirect light that is wrong;
-//! 4. gather rays that go on as paths, with the mesh as control variate, where reading it at the ends of gather rays is
-//!    what is wrong.
+//! The first has direct light by the cheapest policy within the bound (`error_bound.rs`), and indirect light from the mesh.
+//! While the bound is not kept, what is wrong is made better:
+//!
+//! | what is wrong | then |
+//! |---|---|
+//! | indirect light | four times as many short rays; then gather rays at every surface; then gather rays that go on as paths, with the mesh as control variate |
+//! | direct light | a policy with more shadow rays, as far as the rest leaves room for it; then a ray to each light sample |
+//! | direct light by a ray to each sample of a sky | the policy of *hybrid*, which shoots more rays to where a window is |
 //!
 //! A plan is taken if its verified error is within the bound, or is so much less than that of the plan before that it
 //! is worth its rays. If none keeps the bound, the estimate says so.
@@ -17,9 +19,17 @@ use super::verify::{Comparison, Verification};
 use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading};
 use crate::{Error, ErrorEstimate};
 
+/// The part of the bound that direct light gets first. Measured on Sponza at 5%: with all of it 4.5% error, with half 4.1% in
+/// 1.05 times the time.
+const DIRECT_SHARE: f64 = 0.5;
+
 /// A more expensive plan that does not keep the bound either is taken where its mean square error is below this part of
 /// what it was. Empirical.
 const WORTH: f64 = 0.7;
+
+/// The part of the squared bound above which indirect light is made better first: direct light alone would have to be too
+/// good. A judgement.
+const MUCH: f64 = 0.5;
 
 /// The part of what is left of the bound that direct light aims at, and the least part of the bound that is worth a
 /// policy of its own. Judgements, not varied.
@@ -28,6 +38,10 @@ const LEAST_TARGET: f64 = 0.2;
 
 /// An error below this is rounding: the light is exact.
 const ROUNDING: f64 = 1e-5;
+
+/// How many times as many short rays are tried. Living room: 5.8% error instead of 6.1% with twice, 5.7% with four times
+/// as many.
+const MORE_NEAR_RAYS: u32 = 4;
 
 /// Gather rays with which paths are tried, and the most that are taken. Judgements, not varied.
 const TRIED_RAYS: u32 = 16;
@@ -40,11 +54,12 @@ struct Verified {
     found: Comparison,
 }
 
-impl Verified {
-    /// Returns whether a more expensive plan should take its place.
-    fn gives_way_to(&self, other: &Self, bound: f64) -> bool {
-        other.found.error() <= bound || other.found.square < WORTH * self.found.square
-    }
+/// The search for a plan within a bound.
+struct Search {
+    verification: Verification,
+    /// The best so far.
+    best: Verified,
+    bound: f64,
 }
 
 /// Chooses the cheapest plan whose picture is within `bound` of the truth, starting from what the method says, or the
@@ -54,62 +69,30 @@ pub(super) fn keep_bound(
     plan: LightingPlan,
     bound: f64,
 ) -> Result<(LightingPlan, ErrorEstimate), Error> {
-    let (first, chosen_error) = choose_plan(pilot, plan, bound)?;
+    let (first, chosen_error) = choose_plan(pilot, plan, DIRECT_SHARE * bound)?;
     let mut verification = Verification::new(pilot);
-    let mut verify = |pilot: &mut Pilot<'_, '_, '_>, plan| -> Result<Verified, Error> {
-        Ok(Verified { plan, found: verification.compare(pilot, plan, bound)? })
-    };
-    let mut best = verify(pilot, first)?;
-    let mut try_plan = |pilot: &mut Pilot<'_, '_, '_>, best: &mut Verified, plan| -> Result<Verified, Error> {
-        let next = verify(pilot, plan)?;
-        if best.gives_way_to(&next, bound) {
-            *best = next;
+    let found = verification.compare(pilot, first, bound)?;
+    let mut search = Search { verification, best: Verified { plan: first, found }, bound };
+    let mut has_more_rays = false;
+    // Each step makes one of the two lights better; those that are left undone are more expensive.
+    for make_better in
+        [Search::trace_short_rays, Search::shade_better, Search::trace_sky, Search::gather, Search::follow]
+    {
+        if search.is_kept() {
+            break;
         }
-        Ok(next)
-    };
-
-    // Trace more shadow rays, where the rest leaves room for direct light.
-    let square = bound * bound;
-    if best.found.error() > bound && best.plan.primary != Shading::Exact && best.found.rest() < square {
-        let target = LEFT * (square - best.found.rest()).sqrt();
-        let primary = match target > LEAST_TARGET * bound {
-            true => choose_plan(pilot, best.plan, target)?.0.primary,
-            false => Shading::Exact,
-        };
-        try_plan(pilot, &mut best, LightingPlan { primary, ..first })?;
-    }
-
-    // A ray to each part of the sky is not many behind a window: *hybrid* shoots more to the parts that show there.
-    let has_noise = pilot.frame.scene.lights().has_strata() && best.found.direct > 0.5 * square;
-    if best.found.error() > bound && best.plan.primary == Shading::Exact && has_noise {
-        let primary = Shading::per_light(SamplingPolicy::HYBRID, pilot.frame.options);
-        let plan = LightingPlan { primary, ..best.plan };
-        try_plan(pilot, &mut best, plan)?;
-    }
-
-    // Gather at every surface, where more than the direct light is wrong.
-    if best.found.error() > bound && pilot.frame.lighting.has_indirect() && best.found.rest() > 0.5 * square {
-        let plan = LightingPlan { indirect: Indirect::FinalGather { seed: 3 }, ..best.plan };
-        try_plan(pilot, &mut best, plan)?;
-    }
-
-    // Let gather rays go on as paths.
-    if best.found.error() > bound && pilot.frame.lighting.has_indirect() && best.found.rest() > 0.5 * square {
-        let paths = |rays| Indirect::Unbiased { rays, seed: pilot.frame.options.seed };
-        let (few, many) = (paths(TRIED_RAYS), paths(MOST_RAYS));
-        let plan = LightingPlan { indirect: few, ..best.plan };
-        let tried = try_plan(pilot, &mut best, plan)?;
-        let expected = tried.found.square * f64::from(TRIED_RAYS) / f64::from(MOST_RAYS);
-        if tried.found.error() > bound && expected < square {
-            let plan = LightingPlan { indirect: many, ..tried.plan };
-            try_plan(pilot, &mut best, plan)?;
+        make_better(&mut search, pilot)?;
+        // Direct light may have room now that the rest is better.
+        if !has_more_rays && !search.is_kept() && search.rest() < MUCH * bound * bound {
+            has_more_rays = true;
+            search.shade_better(pilot)?;
         }
     }
 
     // Report what the plan has.
-    let found = best.found;
-    let all = if best.plan == first { found.error().max(chosen_error) } else { found.error() };
-    let is_exact = best.plan.primary == Shading::Exact && !pilot.frame.lighting.has_indirect() && all < ROUNDING;
+    let Search { verification, best: Verified { plan, found }, .. } = search;
+    let all = if plan == first { found.error().max(chosen_error) } else { found.error() };
+    let is_exact = plan.primary == Shading::Exact && !pilot.frame.lighting.has_indirect() && all < ROUNDING;
     let estimate = ErrorEstimate {
         all: if is_exact { 0.0 } else { all },
         direct: found.direct.max(0.0).sqrt(),
@@ -118,5 +101,101 @@ pub(super) fn keep_bound(
         caustics: found.caustics,
         path_spp: verification.path_spp(&found, bound),
     };
-    Ok((best.plan, estimate))
+    Ok((plan, estimate))
+}
+
+impl Search {
+    /// Whether the best plan keeps the bound.
+    fn is_kept(&self) -> bool {
+        self.best.found.square <= self.bound * self.bound
+    }
+
+    /// The mean square error of what is not direct light.
+    fn rest(&self) -> f64 {
+        self.best.found.rest()
+    }
+
+    /// Whether indirect light is what is wrong.
+    fn needs_indirect(&self, pilot: &Pilot<'_, '_, '_>) -> bool {
+        pilot.frame.lighting.has_indirect() && self.rest() > MUCH * self.bound * self.bound
+    }
+
+    /// Verifies a more expensive plan, and takes it if it is better by enough. Returns how good it is.
+    fn try_plan(&mut self, pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Result<Comparison, Error> {
+        if plan == self.best.plan {
+            return Ok(self.best.found);
+        }
+        let found = self.verification.compare(pilot, plan, self.bound)?;
+        if found.square <= self.bound * self.bound || found.square < WORTH * self.best.found.square {
+            self.best = Verified { plan, found };
+        }
+        Ok(found)
+    }
+
+    /// Shoots more short rays, where indirect light is wrong.
+    fn trace_short_rays(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
+        let plan = self.best.plan;
+        if let (Indirect::Mesh { near_rays: near_rays @ 1.. }, true) = (plan.indirect, self.needs_indirect(pilot)) {
+            let near_rays = MORE_NEAR_RAYS * near_rays;
+            // What follows is compared with it even where it alone is not worth its rays.
+            let plan = LightingPlan { indirect: Indirect::Mesh { near_rays }, ..plan };
+            let found = self.verification.compare(pilot, plan, self.bound)?;
+            if found.square < self.best.found.square {
+                self.best = Verified { plan, found };
+            }
+        }
+        Ok(())
+    }
+
+    /// Traces more shadow rays, where the rest leaves room for direct light.
+    fn shade_better(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
+        let (square, plan) = (self.bound * self.bound, self.best.plan);
+        if plan.primary == Shading::Exact || self.rest() >= square {
+            return Ok(());
+        }
+        let target = LEFT * (square - self.rest()).sqrt();
+        let primary = match target > LEAST_TARGET * self.bound {
+            true => choose_plan(pilot, plan, target)?.0.primary,
+            false => Shading::Exact,
+        };
+        self.try_plan(pilot, LightingPlan { primary, ..plan })?;
+        Ok(())
+    }
+
+    /// A ray to each part of the sky is not many behind a window: *hybrid* shoots more to the parts that show there.
+    fn trace_sky(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
+        let has_noise =
+            pilot.frame.scene.lights().has_strata() && self.best.found.direct > 0.5 * self.bound * self.bound;
+        if self.best.plan.primary == Shading::Exact && has_noise {
+            let primary = Shading::per_light(SamplingPolicy::HYBRID, pilot.frame.options);
+            self.try_plan(pilot, LightingPlan { primary, ..self.best.plan })?;
+        }
+        Ok(())
+    }
+
+    /// Gathers at every surface, where indirect light is wrong.
+    fn gather(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
+        if self.needs_indirect(pilot) {
+            let rays = LightingPlan::gather_rays(pilot.frame.options.picture.spp);
+            let plan = LightingPlan { indirect: Indirect::FinalGather { rays, seed: 3 }, ..self.best.plan };
+            self.try_plan(pilot, plan)?;
+        }
+        Ok(())
+    }
+
+    /// Lets gather rays go on as paths.
+    fn follow(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
+        if !self.needs_indirect(pilot) {
+            return Ok(());
+        }
+        let seed = pilot.frame.options.seed;
+        let by = |rays, plan| LightingPlan { indirect: Indirect::Unbiased { rays, seed }, ..plan };
+        let plan = self.best.plan;
+        let tried = self.try_plan(pilot, by(TRIED_RAYS, plan))?.square;
+        let (square, expected) = (self.bound * self.bound, tried * f64::from(TRIED_RAYS) / f64::from(MOST_RAYS));
+        if tried > square && expected < square {
+            self.try_plan(pilot, by(MOST_RAYS, plan))?;
+        }
+        Ok(())
+    }
 }

@@ -25,6 +25,9 @@ use crate::mesh::Points;
 const PIXELS_PER_SAMPLE: u64 = 24;
 const SAMPLES: std::ops::RangeInclusive<u64> = 2048..=32768;
 
+/// Gather rays of the truth, at each sample.
+const RAYS: u32 = 64;
+
 /// The error that refining is for where no bound is given: a twentieth of the picture's mean.
 const DEFAULT_BOUND: f64 = 0.05;
 
@@ -45,7 +48,8 @@ pub(super) fn refine(pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Resul
     // Find the true light of some pixels, twice where it has noise.
     let count = pilot.film.pixel_count() / PIXELS_PER_SAMPLE;
     let pixels = pilot.film.draw(options.seed, 2, count.clamp(*SAMPLES.start(), *SAMPLES.end()));
-    let exact = |seed| LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { seed }, ..plan };
+    let exact =
+        |seed| LightingPlan { primary: Shading::Exact, indirect: Indirect::FinalGather { rays: RAYS, seed }, ..plan };
     let first = pilot.light_points(&pixels, exact(1))?;
     let second = if has_indirect { pilot.light_points(&pixels, exact(2))? } else { first.clone() };
     let radiance = |p: &ShadedPoint| f64::from((p.point.weight * (p.direct + p.indirect)).element_sum());

@@ -21,13 +21,13 @@ use crate::progress::Reporter;
 use crate::sampling::hash;
 
 /// Pixels that are verified, at most; one in so many of small pictures.
-const PIXELS: u64 = 2048;
+const PIXELS: u64 = 512;
 const PIXELS_PER_CHECK: u64 = 8;
 
 /// Rays of all paths after which no more are followed: so many, or so many for each sample of the picture if that is
-/// more. Judgements: a second of two cores, and less than the picture itself.
-const MOST_RAYS: u64 = 1 << 23;
-const RAYS_PER_SAMPLE: u64 = 32;
+/// more. Judgements: a quarter of a second of two cores, and less than the picture itself.
+const MOST_RAYS: u64 = 1 << 19;
+const RAYS_PER_SAMPLE: u64 = 3;
 
 /// Paths end where the standard deviation of the mean square is below this part of the squared bound, or of the mean
 /// square itself.
@@ -123,8 +123,9 @@ impl Verification {
                 let square = bound * bound;
                 let unresolved = found.deviation - RESOLVED * square.max(found.square);
                 let is_beyond = found.square - 3.0 * found.deviation > square;
+                let is_within = found.square + 3.0 * found.deviation < square;
                 let is_spent = 2 * self.rays > most_rays || self.paths >= MOST_PATHS_PER_SAMPLE;
-                if unresolved <= 0.0 || is_beyond || is_spent {
+                if unresolved <= 0.0 || is_beyond || is_within || is_spent {
                     return Ok(Comparison { unresolved: unresolved.max(0.0), ..found });
                 }
             }

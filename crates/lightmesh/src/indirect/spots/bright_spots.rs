@@ -10,20 +10,20 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::directions::{EvenCone, SpotDirections, cone_of_ball};
 use super::rectangle::Rectangle;
-use super::spot_directions::{EvenCone, SpotDirections, cone_of_ball};
 use crate::geometry::Ray;
 use crate::light::PlaneMirror;
 
 /// The bright spots of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BrightSpots {
-    pub(super) spots: Vec<BrightSpot>,
+    pub(in crate::indirect) spots: Vec<BrightSpot>,
 }
 
 /// Surfaces near a lamp.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BrightSpot {
+pub(in crate::indirect) struct BrightSpot {
     pub shape: SpotShape,
     /// Luminous flux that the surfaces reflect, lumen; the largest channel.
     pub flux: f32,
@@ -35,7 +35,7 @@ pub(super) struct BrightSpot {
 
 /// Where the surfaces of a spot are.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum SpotShape {
+pub(in crate::indirect) enum SpotShape {
     /// In the plane through `foot` with normal `n`, which faces the lamp; lit by rays that are even in a cone.
     Plane { lamp: Vec3, foot: Vec3, n: Vec3, cone: EvenCone },
     /// Within a distance of the lamp.
@@ -46,7 +46,7 @@ pub(super) enum SpotShape {
 
 /// How a spot looks from a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SpotView {
+pub(in crate::indirect) struct SpotView {
     /// Irradiance on a surface that faces it, lux, if nothing stands between.
     pub irradiance: f32,
     /// Its solid angle, steradian: of a disk as wide as the lamp is high.
@@ -55,7 +55,7 @@ pub(super) struct SpotView {
 
 impl BrightSpot {
     /// Returns how the spot looks from `x`, `None` from behind and from within.
-    pub(super) fn seen_from(&self, x: Vec3) -> Option<SpotView> {
+    pub(in crate::indirect) fn seen_from(&self, x: Vec3) -> Option<SpotView> {
         match self.shape {
             SpotShape::Plane { lamp, foot, n, .. } => {
                 let d = x - foot;
@@ -90,7 +90,7 @@ impl BrightSpot {
 
     /// Returns rays from `x` to places of the spot, which end before it; none where the way is by a mirror. Of a plane,
     /// the second goes to the far side: through the opening of a can, a lid is seen at a slant.
-    pub(super) fn rays_from(&self, x: Vec3) -> impl Iterator<Item = Ray> {
+    pub(in crate::indirect) fn rays_from(&self, x: Vec3) -> impl Iterator<Item = Ray> {
         let to = |place: Vec3, before: f32| Ray { t_max: (1.0 - before).max(0.0), ..Ray::segment(x, place) };
         let rays = match self.shape {
             SpotShape::Plane { lamp, foot, n, .. } => {
@@ -106,7 +106,7 @@ impl BrightSpot {
     }
 
     /// Returns the directions from `x` to the spot.
-    pub(super) fn directions_from(&self, x: Vec3) -> SpotDirections {
+    pub(in crate::indirect) fn directions_from(&self, x: Vec3) -> SpotDirections {
         match self.shape {
             SpotShape::Plane { lamp, foot, n, cone } => SpotDirections::Plane { x, lamp, foot, n, cone },
             SpotShape::Ball { center, radius } => {
@@ -120,12 +120,12 @@ impl BrightSpot {
 
 impl BrightSpots {
     /// The spots.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &BrightSpot> {
+    pub(in crate::indirect) fn iter(&self) -> impl Iterator<Item = &BrightSpot> {
         self.spots.iter()
     }
 
     /// Whether there are none.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::indirect) fn is_empty(&self) -> bool {
         self.spots.is_empty()
     }
 }

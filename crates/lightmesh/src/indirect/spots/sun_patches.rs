@@ -48,7 +48,7 @@ struct LitPlace {
 }
 
 /// Looks for patches of sunlight in a box.
-pub(super) fn sun_patches(scene: &Scene, bounds: &Aabb) -> Vec<BrightSpot> {
+pub(in crate::indirect) fn sun_patches(scene: &Scene, bounds: &Aabb) -> Vec<BrightSpot> {
     // Choose the suns.
     let lights = scene.lights();
     let is_sun = |&lane: &usize| {

@@ -1,17 +1,24 @@
-//! The six methods, each with what only it has.
+//! The seven methods, each with what only it has.
+
+mod paper_scale;
+mod quality;
 
 use std::fmt;
 
-use super::{Falloff, PaperScale};
+pub use paper_scale::PaperScale;
+pub use quality::Quality;
+pub(super) use quality::samples_for;
+
+use super::Falloff;
 
 /// How light is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// The light mesh, six-axis directional.
+    /// The light mesh, six-axis directional; with an error, the method `auto`.
     Mesh {
-        /// The error that the picture's light may have, root mean square relative to the picture's mean, against the
-        /// same samples lit exactly; above 0. The mesh is then read light by light, with as many shadow rays as that
-        /// takes. `None`: whatever the mesh gives.
+        /// The error that the picture may have, root mean square relative to its mean; above 0. The picture is then lit by
+        /// whatever keeps it at least cost, verified by paths: the mesh light by light, shadow rays, short rays, gather
+        /// rays. `None`: whatever the mesh gives.
         error: Option<f32>,
     },
     /// The light mesh as the paper writes it: one scalar per channel, formulas (1)-(3g).
@@ -42,7 +49,8 @@ impl Default for Method {
 }
 
 /// The name of each method, as files and both faces spell it, and one line about it.
-pub(super) const NAMES: [(&str, &str); 6] = [
+pub(super) const NAMES: [(&str, &str); 7] = [
+    ("auto", "What keeps the error within --quality or --error at least cost: the mesh, shadow, short and gather rays"),
     ("mesh", "Light mesh, six-axis directional"),
     ("paper", "Light mesh as the paper writes it: one scalar per channel, sphere neighbourhood"),
     ("standard", "Shadow ray to every light sample at every hit; also called exact"),
@@ -55,6 +63,8 @@ pub(super) const NAMES: [(&str, &str); 6] = [
 pub(super) const ALIASES: [(&str, &str); 1] = [("exact", "standard")];
 
 impl Method {
+    /// Whatever keeps an error of 5% at least cost.
+    pub const AUTO: Self = Self::with_error(0.05);
     /// The mesh, with no bound on its error.
     pub const MESH: Self = Self::Mesh { error: None };
     /// The paper's method, attenuated by r² and scaled to a mean visibility.
@@ -62,7 +72,8 @@ impl Method {
     /// The unbiased method with four rays at each hit.
     pub const UNBIASED: Self = Self::Unbiased { rays: 4 };
     /// All of them, each with its defaults.
-    pub const ALL: [Self; 6] = [Self::MESH, Self::PAPER, Self::Standard, Self::Hybrid, Self::UNBIASED, Self::Path];
+    pub const ALL: [Self; 7] =
+        [Self::AUTO, Self::MESH, Self::PAPER, Self::Standard, Self::Hybrid, Self::UNBIASED, Self::Path];
 
     /// The mesh with a bound on the error of its light.
     pub const fn with_error(error: f32) -> Self {
@@ -83,12 +94,13 @@ impl Method {
     /// Returns its name, as files and both faces spell it.
     pub fn name(self) -> &'static str {
         let index = match self {
-            Self::Mesh { .. } => 0,
-            Self::Paper { .. } => 1,
-            Self::Standard => 2,
-            Self::Hybrid => 3,
-            Self::Unbiased { .. } => 4,
-            Self::Path => 5,
+            Self::Mesh { error: Some(_) } => 0,
+            Self::Mesh { error: None } => 1,
+            Self::Paper { .. } => 2,
+            Self::Standard => 3,
+            Self::Hybrid => 4,
+            Self::Unbiased { .. } => 5,
+            Self::Path => 6,
         };
         NAMES[index].0
     }

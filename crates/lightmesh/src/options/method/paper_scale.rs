@@ -16,7 +16,7 @@ pub enum PaperScale {
 
 impl PaperScale {
     /// The name of each, and one line about it.
-    pub(super) const NAMES: [(&'static str, &'static str); 2] = [
+    pub(in crate::options) const NAMES: [(&'static str, &'static str); 2] = [
         ("visibility", "Divide by the same sum without visibility: a mean visibility in [0, 1]"),
         ("constant", "Formulas as printed, times one constant for the picture"),
     ];

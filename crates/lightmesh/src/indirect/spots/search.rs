@@ -5,9 +5,9 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::super::gather::sphere_directions;
 use super::bright_spots::{BrightSpot, BrightSpots, SpotShape};
-use super::gather::sphere_directions;
-use super::spot_directions::EvenCone;
+use super::directions::EvenCone;
 use super::sun_patches::sun_patches;
 use crate::Scene;
 use crate::geometry::{Aabb, Ray};

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 /// A rectangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rectangle {
+pub(in crate::indirect) struct Rectangle {
     pub center: Vec3,
     /// Unit; to its front.
     pub n: Vec3,
@@ -14,18 +14,18 @@ pub(super) struct Rectangle {
 
 impl Rectangle {
     /// Square metres.
-    pub(super) fn area(&self) -> f32 {
+    pub(in crate::indirect) fn area(&self) -> f32 {
         4.0 * self.half[0].length() * self.half[1].length()
     }
 
     /// A place in it, by u in [0, 1)².
-    pub(super) fn sample(&self, u: Vec2) -> Vec3 {
+    pub(in crate::indirect) fn sample(&self, u: Vec2) -> Vec3 {
         self.center + self.half[0] * (2.0 * u.x - 1.0) + self.half[1] * (2.0 * u.y - 1.0)
     }
 
     /// The density per steradian, in a unit `direction` from `x`, of places that are evenly spread in it.
     #[inline]
-    pub(super) fn pdf(&self, x: Vec3, direction: Vec3) -> f32 {
+    pub(in crate::indirect) fn pdf(&self, x: Vec3, direction: Vec3) -> f32 {
         let cos = -self.n.dot(direction);
         let t = self.n.dot(x - self.center) / cos;
         if cos <= 1e-6 || t <= 0.0 {

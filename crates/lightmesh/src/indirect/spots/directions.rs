@@ -9,14 +9,14 @@ use crate::sampling::basis;
 
 /// Directions evenly spread in a cone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EvenCone {
+pub(in crate::indirect) struct EvenCone {
     /// Unit.
     pub axis: Vec3,
     pub cos: f32,
 }
 
 impl EvenCone {
-    pub(super) fn sample(&self, u: Vec2) -> Vec3 {
+    pub(in crate::indirect) fn sample(&self, u: Vec2) -> Vec3 {
         let z = 1.0 - u.x * (1.0 - self.cos);
         let (r, phi) = ((1.0 - z * z).max(0.0).sqrt(), TAU * u.y);
         let (t, b) = basis(self.axis);
@@ -24,18 +24,18 @@ impl EvenCone {
     }
 
     /// Density per steradian.
-    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+    pub(in crate::indirect) fn pdf(&self, direction: Vec3) -> f32 {
         if direction.dot(self.axis) < self.cos { 0.0 } else { 1.0 / self.solid_angle() }
     }
 
-    pub(super) fn solid_angle(&self) -> f32 {
+    pub(in crate::indirect) fn solid_angle(&self) -> f32 {
         (TAU * (1.0 - self.cos)).max(1e-6)
     }
 }
 
 /// The directions from a point to a spot.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum SpotDirections {
+pub(in crate::indirect) enum SpotDirections {
     /// To where the lamp's rays meet a plane: [`SpotShape::Plane`], seen from `x`.
     Plane { x: Vec3, lamp: Vec3, foot: Vec3, n: Vec3, cone: EvenCone },
     /// Evenly spread in a cone, with a density per steradian.
@@ -46,7 +46,7 @@ pub(super) enum SpotDirections {
 
 impl SpotDirections {
     /// A unit direction, by u in [0, 1)²; `None` where the lamp's ray does not meet the plane.
-    pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
+    pub(in crate::indirect) fn sample(&self, u: Vec2) -> Option<Vec3> {
         match *self {
             Self::Plane { x, lamp, foot, n, cone } => {
                 let l = cone.sample(u);
@@ -60,7 +60,7 @@ impl SpotDirections {
 
     /// The density of [`Self::sample`] per steradian.
     #[inline(always)]
-    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+    pub(in crate::indirect) fn pdf(&self, direction: Vec3) -> f32 {
         match *self {
             Self::Plane { x, lamp, foot, n, cone } => {
                 // Where the ray meets the plane, and the lamp's ray there.
@@ -87,7 +87,7 @@ impl SpotDirections {
 }
 
 /// The cone in which a ball is seen from outside.
-pub(super) fn cone_of_ball(x: Vec3, center: Vec3, radius: f32) -> EvenCone {
+pub(in crate::indirect) fn cone_of_ball(x: Vec3, center: Vec3, radius: f32) -> EvenCone {
     let d = center - x;
     let r2 = d.length_squared();
     EvenCone { axis: d / r2.sqrt(), cos: (1.0 - radius * radius / r2).max(0.0).sqrt() }
