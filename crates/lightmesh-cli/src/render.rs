@@ -103,6 +103,7 @@ fn render(
     if !has_size {
         options.picture.height = camera_choice::height_for(&camera, options.picture.width);
     }
+    let options = options.for_scene(&scene);
     check_memory(args, &options, denoise, scene.bytes())?;
     // Layers that only denoising needs are no setting of the picture.
     let kept = denoise.map_or(options.picture.aovs, Denoise::kept);

@@ -12,8 +12,8 @@ use lightmesh::{Aov, Aovs, Method};
 /// - `unbiased` and `path` take random directions for all light.
 pub fn noisy_layers(method: Method, lights_have_size: bool) -> Aovs {
     let noisy: &[Aov] = match method {
-        Method::Mesh { error: None } => &[Aov::Indirect],
-        Method::Mesh { error: Some(_) } | Method::Hybrid => &[Aov::Direct, Aov::Indirect],
+        Method::Mesh { .. } => &[Aov::Indirect],
+        Method::Auto { .. } | Method::Hybrid => &[Aov::Direct, Aov::Indirect],
         Method::Standard if lights_have_size => &[Aov::Direct],
         Method::Standard | Method::Paper { .. } => &[],
         Method::Unbiased { .. } | Method::Path => &[Aov::Direct, Aov::Indirect],

@@ -34,6 +34,12 @@ impl Keywords {
         })
     }
 
+    /// Returns them with the method that they stand for in this scene.
+    pub(crate) fn for_scene(mut self, scene: &lightmesh::Scene) -> Self {
+        self.options = self.options.for_scene(scene);
+        self
+    }
+
     /// Returns the library's options for a picture by this camera, whose aspect makes the height if no size was given.
     pub(crate) fn options(&self, camera: &Camera) -> RenderOptions {
         let width = self.options.picture.width;

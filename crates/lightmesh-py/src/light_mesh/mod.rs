@@ -57,7 +57,7 @@ pub(crate) fn lit_scene(
     }
     let keywords = Keywords::new(scene.py(), chosen)?;
     let built = scene.get().lit(scene.py(), &keywords, camera)?;
-    Ok(LitScene { keywords, built })
+    Ok(LitScene { keywords: keywords.for_scene(&built.scene), built })
 }
 
 impl PyLightMesh {
@@ -74,7 +74,7 @@ impl PyLightMesh {
         }
         let revision = scene.get().revision();
         let built = scene.get().lit(py, &keywords, None)?;
-        let lit = LitScene { keywords, built };
+        let lit = LitScene { keywords: keywords.for_scene(&built.scene), built };
         let mesh = SharedMesh::new(make(&lit)?);
         let scene = scene.clone().unbind();
         Ok(Self { scene, revision, chosen, built: lit.built, mesh, arrays: Mutex::new(None) })
@@ -94,7 +94,7 @@ impl PyLightMesh {
             let message = "mesh: was made for another environment, light_samples or light_radius";
             return Err(error::option(py, message));
         }
-        Ok(LitScene { keywords, built: Arc::clone(&self.built) })
+        Ok(LitScene { keywords: keywords.for_scene(&self.built.scene), built: Arc::clone(&self.built) })
     }
 
     /// Returns the mesh's own options, and the scene that it was made for.

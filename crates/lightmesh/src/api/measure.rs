@@ -83,7 +83,7 @@ pub fn measure(
     let (MeterIrradiance { direct, indirect }, mut stats) = match options.method {
         Method::Path => measure_paths(scene, meters, options, progress)?,
         Method::Standard => measure_waves(scene, meters, options, Lighting::Exact, progress)?,
-        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
+        Method::Auto { .. } | Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             measure_waves(scene, meters, options, Lighting::from_mesh(mesh), progress)?
         }

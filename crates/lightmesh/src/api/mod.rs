@@ -1,5 +1,6 @@
 //! The front doors: a picture through a camera, and irradiance at meters; and how bright it is about a camera.
 
+mod for_scene;
 mod light_around;
 mod measure;
 mod render;

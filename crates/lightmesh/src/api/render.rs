@@ -49,7 +49,7 @@ pub fn render(
     let mut stats = match options.method {
         Method::Path => render_path(scene, &mut film, options, &mut clock)?,
         Method::Standard => render_waves(scene, &mut film, options, Lighting::Exact, &mut clock)?,
-        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
+        Method::Auto { .. } | Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             render_waves(scene, &mut film, options, Lighting::from_mesh(mesh), &mut clock)?
         }

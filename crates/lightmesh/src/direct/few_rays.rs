@@ -15,7 +15,7 @@ const LEAST: f32 = 0.1;
 
 /// Estimates light with few rays, with buffers that it keeps; one per worker.
 #[derive(Debug, Default)]
-pub(super) struct FewRaysShader {
+pub(crate) struct FewRaysShader {
     directions: Directions,
     /// The lights that the surface faces: lanes, and their unshadowed light on it.
     lanes: Vec<u32>,
@@ -32,7 +32,7 @@ impl FewRaysShader {
     /// Returns an unbiased estimate of Σ_i V_i c_i over the lights of a cut, lux per channel, with at most `most`
     /// shadow rays, and the number of rays: one to each light where so many suffice, else to lights chosen in
     /// proportion to their unshadowed light c_i, stratified over the list.
-    pub(super) fn irradiance(
+    pub(crate) fn irradiance(
         &mut self,
         scene: &Scene,
         cut: &LightCut<'_>,

@@ -20,6 +20,7 @@ mod visibility_estimate;
 pub(crate) use by_place::PlacedVertices;
 pub use encoding::DirectValues;
 pub(crate) use exact::ExactShader;
+pub(crate) use few_rays::FewRaysShader;
 pub(crate) use field::DirectField;
 pub(crate) use per_light::{SamplingPolicy, TrustAgreement};
 pub(crate) use plan::{Indirect, LightingPlan, Shading};

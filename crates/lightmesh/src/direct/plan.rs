@@ -71,8 +71,8 @@ impl LightingPlan {
         let unbiased = |rays| Shading::Unbiased { rays, seed };
         let (primary, gather) = match options.method {
             Method::Standard | Method::Path => (Shading::Exact, Shading::Exact),
-            Method::Mesh { error: Some(_) } => (Shading::Exact, unbiased(1)),
-            Method::Mesh { error: None } | Method::Paper { .. } => (Shading::MeanVisibility, Shading::MeanVisibility),
+            Method::Auto { .. } => (Shading::Exact, unbiased(1)),
+            Method::Mesh { .. } | Method::Paper { .. } => (Shading::MeanVisibility, Shading::MeanVisibility),
             Method::Hybrid => (Shading::per_light(SamplingPolicy::HYBRID, options), unbiased(1)),
             Method::Unbiased { rays } => (unbiased(rays), unbiased(1)),
         };
@@ -87,9 +87,9 @@ impl LightingPlan {
     /// error is for meters what *hybrid* does.
     pub(crate) fn of_meters(options: &RenderOptions) -> Self {
         let plan = Self::of(&options.clone().with(|o| o.picture.spp = 1));
-        match options.method.error() {
-            Some(_) => Self { primary: Shading::per_light(SamplingPolicy::HYBRID, options), ..plan },
-            None => plan,
+        match options.method {
+            Method::Auto { .. } => Self { primary: Shading::per_light(SamplingPolicy::HYBRID, options), ..plan },
+            _ => plan,
         }
     }
 

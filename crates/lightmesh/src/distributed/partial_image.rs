@@ -292,7 +292,7 @@ fn lighting<'a>(options: &RenderOptions, mesh: &'a mut LightMesh) -> Result<Opti
     match options.method {
         Method::Path => Ok(None),
         Method::Standard => Ok(Some(Lighting::Exact)),
-        Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
+        Method::Auto { .. } | Method::Mesh { .. } | Method::Paper { .. } | Method::Hybrid | Method::Unbiased { .. } => {
             mesh.check_compatible(options)?;
             Ok(Some(Lighting::from_mesh(mesh)))
         }

@@ -41,6 +41,8 @@ pub(crate) struct GatherRays {
     first_hits: Vec<Option<Hit>>,
     /// By ray, where it met the first surface that it did not pass through.
     ends: Vec<RayEnd>,
+    /// By ray, whether that or a later surface mirrored or refracted it.
+    bent: Vec<bool>,
     faces: ShiftedFaces,
 }
 
@@ -161,9 +163,9 @@ impl GatherRays {
         &self.batch
     }
 
-    /// By ray, whether it met a surface that it did not pass through.
+    /// By ray, whether it met a surface that it did not pass through, and that did not send it on.
     pub(super) fn met(&self) -> impl Iterator<Item = bool> {
-        self.ends.iter().map(|end| !end.is_nowhere())
+        self.ends.iter().zip(&self.bent).map(|(end, &bent)| !end.is_nowhere() && !bent)
     }
 
     /// The unit directions of its rays.
@@ -237,6 +239,8 @@ impl GatherRays {
         self.hits.vertices.clear();
         self.ends.clear();
         self.ends.resize(self.batch.len(), RayEnd::NOWHERE);
+        self.bent.clear();
+        self.bent.resize(self.batch.len(), false);
         for i in 0..self.batch.len() {
             if let Some(hit) = self.first_hits[i] {
                 self.follow(scene, options, i as u32, hit);
@@ -285,6 +289,7 @@ impl GatherRays {
                         return;
                     }
                     Lobe::Specular(lobe) => {
+                        self.bent[id as usize] = true;
                         beta *= sample.throughput();
                         mirrored |= lobe == SpecularLobe::Reflection
                             && surface.refraction == Vec3::ZERO

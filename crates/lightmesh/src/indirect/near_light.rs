@@ -150,7 +150,8 @@ impl IndirectField {
         NearRays { count, bounces }: NearRays,
         marks: &Marks,
     ) -> u64 {
-        // Sum what each ray brings; none where the mesh cannot be read at its end.
+        // Sum what each ray brings; none where the mesh cannot be read at its end, and of what mirrors and glass show,
+        // which few rays find by chance: white dots where a lamp is mirrored.
         let mut found: Vec<Option<Vec3>> = gather.met().map(|met| met.then_some(Vec3::ZERO)).collect();
         for &(ray, radiance) in &gather.emitted {
             found[ray as usize].iter_mut().for_each(|sum| *sum += radiance);

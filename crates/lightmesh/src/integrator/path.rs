@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::emitter_sampling::{EmitterSampler, power_heuristic};
 use super::first_hits::FirstHits;
 use crate::bvh::Hit;
-use crate::direct::ExactShader;
+use crate::direct::{ExactShader, FewRaysShader};
 use crate::film::{Film, RenderClock, SumOrder, UnlitSample, take_samples};
 use crate::geometry::{Cone, Ray};
 use crate::interaction::{
@@ -170,6 +170,9 @@ pub(super) struct PathTracer<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
     scratch: ExactShader,
+    few_rays: FewRaysShader,
+    /// Shadow rays to punctual lights at each surface, at most.
+    most_rays: u32,
     mirrored: MirroredShader,
     emitters: EmitterSampler,
     pub(super) rays: RayCounts,
@@ -217,11 +220,20 @@ fn layer_of_emission(bounces: u32, origin: RayOrigin) -> Aov {
 }
 
 impl<'a> PathTracer<'a> {
+    /// Lets it shoot no more shadow rays than these at a surface, where there are more punctual lights: to lights that are
+    /// chosen by what they would give.
+    pub(super) fn with_most_rays(mut self, most: u32) -> Self {
+        self.most_rays = most;
+        self
+    }
+
     pub(crate) fn new(scene: &'a Scene, options: &'a RenderOptions) -> Self {
         Self {
             scene,
             options,
             scratch: ExactShader::default(),
+            few_rays: FewRaysShader::default(),
+            most_rays: u32::MAX,
             mirrored: MirroredShader::default(),
             emitters: EmitterSampler::default(),
             rays: RayCounts::default(),
@@ -362,7 +374,12 @@ impl<'a> PathTracer<'a> {
             sum += self.emitters.sphere_lights(scene, falloff, point, sampler);
         } else {
             let lights = LightCut::all(&scene.emitters().punctual);
-            let (irradiance, rays) = self.scratch.irradiance(scene, &lights, falloff, point, 0);
+            let (irradiance, rays) = if scene.emitters().punctual.len() > self.most_rays as usize {
+                let seed = (sampler.choice() * (1 << 24) as f32) as u32;
+                self.few_rays.irradiance(scene, &lights, falloff, point, self.most_rays, seed)
+            } else {
+                self.scratch.irradiance(scene, &lights, falloff, point, 0)
+            };
             self.rays.shadow += rays;
             sum += irradiance;
         }

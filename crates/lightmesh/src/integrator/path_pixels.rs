@@ -9,6 +9,9 @@ use crate::progress::Reporter;
 use crate::sampling::Sampler;
 use crate::{Aovs, RayCounts, RenderOptions, Scene};
 
+/// Shadow rays at each surface of a path, at most: of a thousand lamps few count. A judgement.
+const MOST_RAYS: u32 = 16;
+
 /// Pixels per unit of parallel work.
 const BLOCK: usize = 8;
 
@@ -55,7 +58,7 @@ pub(super) fn trace_pixels(
 
     // Trace blocks of pixels in parallel.
     let trace = |pixels: &[&[Sample]]| {
-        let mut tracer = PathTracer::new(scene, &options);
+        let mut tracer = PathTracer::new(scene, &options).with_most_rays(MOST_RAYS);
         let sums: Vec<PathSums> = pixels
             .iter()
             .take_while(|_| !reporter.cancelled())

@@ -213,9 +213,7 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
         },
         get: |o| Quality::of(o.method).map(|quality| Value::text(quality.name())),
         set: |o, value| {
-            if let (Method::Mesh { error: Some(error) }, Some(quality)) =
-                (&mut o.method, Quality::named(value.as_text()))
-            {
+            if let (Method::Auto { error }, Some(quality)) = (&mut o.method, Quality::named(value.as_text())) {
                 *error = quality.error();
             }
         },
@@ -227,14 +225,14 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             value_name: "E",
             help: "Keep the error of the picture, relative to its mean, at most so large (0.05 is 5%), in place of --quality",
             default_note: Some("that of --quality"),
-            methods: &["auto"],
+            methods: &["auto", "mesh"],
             ..About::PLAIN
         },
         get: |o| o.method.error().map(Value::single),
-        set: |o, value| {
-            if let Method::Mesh { error: Some(error) } = &mut o.method {
-                *error = value.real();
-            }
+        set: |o, value| match &mut o.method {
+            Method::Auto { error } => *error = value.real(),
+            Method::Mesh { error } => *error = Some(value.real()),
+            _ => {}
         },
     },
     Entry {
@@ -553,14 +551,13 @@ impl RenderOptions {
     /// [`Error::InvalidOption`] for an error, or a quality, of another method than `auto`, or both. Other options that the method
     /// does not have do nothing.
     pub fn chosen<'a>(values: impl Fn(&str) -> Option<&'a Value>) -> Result<Self, Error> {
-        // The method first: others are kept in it. *mesh* with an error is *auto*, whatever it is called.
+        // The method first: others are kept in it.
         let method = match values("method") {
             Some(name) => Method::named(name.as_text()).unwrap_or_default(),
             None if values("interpolation").is_none_or(reads_single_lights) => Method::AUTO,
             None => Method::MESH,
         };
-        let has_error = method == Method::MESH && values("error").is_some();
-        let mut options = Self { method: if has_error { Method::AUTO } else { method }, ..Self::default() };
+        let mut options = Self { method, ..Self::default() };
         let others = RENDER.iter().filter(|entry| entry.about.name != "method");
         for (entry, value) in others.filter_map(|entry| Some((entry, values(entry.about.name)?))) {
             (entry.set)(&mut options, value);
@@ -578,8 +575,10 @@ impl RenderOptions {
         }
         let refused = match (values("error"), values("quality")) {
             (Some(_), Some(_)) => Some(("quality", "is an error by name: give one of them")),
-            (Some(_), _) if options.method.error().is_none() => Some(("error", "is kept to by the method auto alone")),
-            (_, Some(_)) if options.method.error().is_none() => {
+            (Some(_), _) if options.method.error().is_none() => {
+                Some(("error", "is kept to by the methods auto and mesh alone"))
+            }
+            (_, Some(_)) if !matches!(options.method, Method::Auto { .. }) => {
                 Some(("quality", "is kept to by the method auto alone"))
             }
             _ => None,
@@ -678,7 +677,8 @@ mod tests {
         let preview = choose(&[("quality", "preview")]).expect("options");
         assert_eq!((preview.method, preview.picture.spp), (Method::with_error(0.1), 2));
         assert_eq!(choose(&[("interpolation", "sphere")]).expect("options").method, Method::MESH);
-        assert_eq!(choose(&[("method", "mesh"), ("error", "0.1")]).expect("options"), preview);
+        let mesh = choose(&[("method", "mesh"), ("error", "0.1")]).expect("options");
+        assert_eq!(mesh.method, Method::Mesh { error: Some(0.1) });
         assert!(choose(&[("error", "0.1"), ("quality", "final")]).is_err());
         assert!(choose(&[("quality", "final"), ("method", "hybrid")]).is_err());
         let options = choose(&[("rays", "8"), ("method", "unbiased"), ("time-limit", "2")]).expect("options");

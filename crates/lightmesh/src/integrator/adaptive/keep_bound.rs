@@ -1,7 +1,8 @@
 //! Keeping all light within a bound: plans from the cheapest to the most expensive, verified by paths until one of them
 //! is good enough.
 //!
-//! The first has direct light by the cheapest policy within the bound (`error_bound.rs`), and indirect light from the mesh.
+//! The first has direct light by the cheapest policy within the bound (`error_bound.rs`), or the mean visibility of the mesh
+//! where its points do not know single lights, and indirect light from the mesh.
 //! While the bound is not kept, what is wrong is made better:
 //!
 //! | what is wrong | then |
@@ -27,6 +28,10 @@ const DIRECT_SHARE: f64 = 0.5;
 /// what it was. Empirical.
 const WORTH: f64 = 0.7;
 
+/// The same of plans that gather at every surface, which cost tens of times as much. Measured on a cove lit by panels: 26%
+/// error instead of 39% for 25 times the time.
+const WORTH_GATHERING: f64 = 0.4;
+
 /// The part of the squared bound above which indirect light is made better first: direct light alone would have to be too
 /// good. A judgement.
 const MUCH: f64 = 0.5;
@@ -35,6 +40,9 @@ const MUCH: f64 = 0.5;
 /// policy of its own. Judgements, not varied.
 const LEFT: f64 = 0.9;
 const LEAST_TARGET: f64 = 0.2;
+
+/// As many light samples may get a ray each where the mesh's mean visibility is not good enough. A judgement.
+const MOST_EXACT: usize = 512;
 
 /// An error below this is rounding: the light is exact.
 const ROUNDING: f64 = 1e-5;
@@ -69,7 +77,11 @@ pub(super) fn keep_bound(
     plan: LightingPlan,
     bound: f64,
 ) -> Result<(LightingPlan, ErrorEstimate), Error> {
-    let (first, chosen_error) = choose_plan(pilot, plan, DIRECT_SHARE * bound)?;
+    let (first, chosen_error) = match (plan.primary, pilot.frame.lighting.has_indirect()) {
+        (Shading::MeanVisibility, _) => (plan, 0.0),
+        (_, true) => choose_plan(pilot, plan, DIRECT_SHARE * bound)?,
+        (_, false) => choose_plan(pilot, plan, bound)?,
+    };
     let mut verification = Verification::new(pilot);
     let found = verification.compare(pilot, first, bound)?;
     let mut search = Search { verification, best: Verified { plan: first, found }, bound };
@@ -126,7 +138,10 @@ impl Search {
             return Ok(self.best.found);
         }
         let found = self.verification.compare(pilot, plan, self.bound)?;
-        if found.square <= self.bound * self.bound || found.square < WORTH * self.best.found.square {
+        let gathers = !matches!(plan.indirect, Indirect::None | Indirect::Mesh { .. });
+        let gathered = !matches!(self.best.plan.indirect, Indirect::None | Indirect::Mesh { .. });
+        let worth = if gathers && !gathered { WORTH_GATHERING } else { WORTH };
+        if found.square <= self.bound * self.bound || found.square < worth * self.best.found.square {
             self.best = Verified { plan, found };
         }
         Ok(found)
@@ -151,6 +166,13 @@ impl Search {
     fn shade_better(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
         let (square, plan) = (self.bound * self.bound, self.best.plan);
         if plan.primary == Shading::Exact || self.rest() >= square {
+            return Ok(());
+        }
+        if plan.primary == Shading::MeanVisibility {
+            // A ray to each of many lights at each surface is no way out.
+            if pilot.frame.scene.lights().len() <= MOST_EXACT {
+                self.try_plan(pilot, LightingPlan { primary: Shading::Exact, ..plan })?;
+            }
             return Ok(());
         }
         let target = LEFT * (square - self.rest()).sqrt();

@@ -29,6 +29,9 @@ const PIXELS_PER_CHECK: u64 = 8;
 const MOST_RAYS: u64 = 1 << 19;
 const RAYS_PER_SAMPLE: u64 = 3;
 
+/// How many times the picture's mean what is brighter counts as.
+const BRIGHTEST: f32 = 8.0;
+
 /// Paths end where the standard deviation of the mean square is below this part of the squared bound, or of the mean
 /// square itself.
 const RESOLVED: f64 = 0.15;
@@ -179,13 +182,19 @@ impl Verification {
 
         // Mean and variance of the products over the pixels, and the noise of the paths.
         let (mut sum, mut squares, mut of_direct, mut noise) = (0.0, 0.0, 0.0, 0.0);
+        // What is far brighter than the picture is white on a display, whatever it is: a single path may be such.
+        let most = Vec3::splat(BRIGHTEST * truth as f32);
         for (i, (a, b)) in first.iter().zip(second).enumerate() {
-            let product = |p: Vec3, a: Vec3, b: Vec3| f64::from((p - a * scale).dot(p - b * scale)) / 3.0;
+            let product = |p: Vec3, a: Vec3, b: Vec3| {
+                let (p, a, b) = (p.min(most), (a * scale).min(most), (b * scale).min(most));
+                f64::from((p - a).dot(p - b)) / 3.0
+            };
             let square = product(all[i], a.all, b.all);
             sum += square;
             squares += square * square;
             of_direct += product(direct[i], a.direct, b.direct);
-            noise += f64::from(((a.all - b.all) * scale).length_squared()) / 12.0;
+            let difference = (a.all * scale).min(most) - (b.all * scale).min(most);
+            noise += f64::from(difference.length_squared()) / 12.0;
         }
         let variance = (squares / n - (sum / n).powi(2)).max(0.0) / n;
         // Few pixels may agree by chance, but not better than the noise of the paths lets see.

@@ -14,11 +14,17 @@ use super::Falloff;
 /// How light is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// The light mesh, six-axis directional; with an error, the method `auto`.
+    /// Whatever keeps the error of the picture at least cost, verified by paths: the mesh light by light, shadow rays, short
+    /// rays, gather rays. Of many lights, [`RenderOptions::for_scene`](crate::RenderOptions::for_scene) takes
+    /// [`Method::Mesh`] in its place.
+    Auto {
+        /// The error that the picture may have, root mean square relative to its mean; above 0.
+        error: f32,
+    },
+    /// The light mesh, six-axis directional.
     Mesh {
-        /// The error that the picture may have, root mean square relative to its mean; above 0. The picture is then lit by
-        /// whatever keeps it at least cost, verified by paths: the mesh light by light, shadow rays, short rays, gather
-        /// rays. `None`: whatever the mesh gives.
+        /// As of [`Method::Auto`], with the mesh for direct light as far as that keeps it, and a ray to each light sample
+        /// else. `None`: whatever the mesh gives.
         error: Option<f32>,
     },
     /// The light mesh as the paper writes it: one scalar per channel, formulas (1)-(3g).
@@ -75,9 +81,9 @@ impl Method {
     pub const ALL: [Self; 7] =
         [Self::AUTO, Self::MESH, Self::PAPER, Self::Standard, Self::Hybrid, Self::UNBIASED, Self::Path];
 
-    /// The mesh with a bound on the error of its light.
+    /// Whatever keeps this error.
     pub const fn with_error(error: f32) -> Self {
-        Self::Mesh { error: Some(error) }
+        Self::Auto { error }
     }
 
     /// The unbiased method with so many rays at each hit.
@@ -94,8 +100,8 @@ impl Method {
     /// Returns its name, as files and both faces spell it.
     pub fn name(self) -> &'static str {
         let index = match self {
-            Self::Mesh { error: Some(_) } => 0,
-            Self::Mesh { error: None } => 1,
+            Self::Auto { .. } => 0,
+            Self::Mesh { .. } => 1,
             Self::Paper { .. } => 2,
             Self::Standard => 3,
             Self::Hybrid => 4,
@@ -108,7 +114,7 @@ impl Method {
     /// Returns whether it fills and reads a [`LightMesh`](crate::LightMesh).
     pub fn has_mesh(self) -> bool {
         match self {
-            Self::Mesh { .. } | Self::Paper { .. } | Self::Hybrid | Self::Unbiased { .. } => true,
+            Self::Auto { .. } | Self::Mesh { .. } | Self::Paper { .. } | Self::Hybrid | Self::Unbiased { .. } => true,
             Self::Standard | Self::Path => false,
         }
     }
@@ -121,6 +127,7 @@ impl Method {
     /// Returns the bound on the error of the light, where there is one.
     pub fn error(self) -> Option<f32> {
         match self {
+            Self::Auto { error } => Some(error),
             Self::Mesh { error } => error,
             _ => None,
         }
@@ -128,7 +135,7 @@ impl Method {
 
     /// Returns whether mesh points keep what they know of each light.
     pub(crate) fn knows_lights(self) -> bool {
-        matches!(self, Self::Hybrid | Self::Unbiased { .. } | Self::Mesh { error: Some(_) })
+        matches!(self, Self::Hybrid | Self::Unbiased { .. } | Self::Auto { .. })
     }
 }
 
