@@ -92,7 +92,7 @@ def test_scenes_without_surfaces() -> None:
         ({"size": (-1, 4)}, 'not "-1x4"'),
         ({"interpolation": "sphere:99"}, "interpolation"),
         ({"error": -1}, "error: must be above 0"),
-        ({"error": 0.1, "method": "path"}, "error: is kept to by the method auto alone"),
+        ({"error": 0.1, "method": "path"}, "error: is kept to by the methods auto and mesh alone"),
         ({"aov": ["albedo", "smell"]}, 'aov: must be among albedo, .*, not "smell"'),
         ({"aov": "points", "method": "path"}, "aov: points"),
         ({"environment": "sky.png"}, "environment"),

@@ -28,10 +28,6 @@ const DIRECT_SHARE: f64 = 0.5;
 /// what it was. Empirical.
 const WORTH: f64 = 0.7;
 
-/// The same of plans that gather at every surface, which cost tens of times as much. Measured on a cove lit by panels: 26%
-/// error instead of 39% for 25 times the time.
-const WORTH_GATHERING: f64 = 0.4;
-
 /// The part of the squared bound above which indirect light is made better first: direct light alone would have to be too
 /// good. A judgement.
 const MUCH: f64 = 0.5;
@@ -138,13 +134,21 @@ impl Search {
             return Ok(self.best.found);
         }
         let found = self.verification.compare(pilot, plan, self.bound)?;
-        let gathers = !matches!(plan.indirect, Indirect::None | Indirect::Mesh { .. });
-        let gathered = !matches!(self.best.plan.indirect, Indirect::None | Indirect::Mesh { .. });
-        let worth = if gathers && !gathered { WORTH_GATHERING } else { WORTH };
-        if found.square <= self.bound * self.bound || found.square < worth * self.best.found.square {
+        let is_kept = found.square <= self.bound * self.bound;
+        if is_kept || found.square < self.worth(pilot, plan)? * self.best.found.square {
             self.best = Verified { plan, found };
         }
         Ok(found)
+    }
+
+    /// The part of the best plan's mean square error below which another one is worth its rays, where neither keeps the
+    /// bound: error falls as the root of the rays that are spent on it. Measured on a cove lit by panels: gathering
+    /// everywhere had 26% error instead of 39% for 25 times the time.
+    fn worth(&self, pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Result<f64, Error> {
+        let samples = pilot.film.sample_count() as f64;
+        let so_far = pilot.stats.rays.total() as f64;
+        let mut rays = |plan| Ok::<_, Error>(so_far + samples * self.verification.rays_per_sample(pilot, plan)?);
+        Ok((rays(self.best.plan)? / rays(plan)?).sqrt().min(WORTH))
     }
 
     /// Shoots more short rays, where indirect light is wrong.

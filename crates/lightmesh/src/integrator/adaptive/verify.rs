@@ -136,6 +136,13 @@ impl Verification {
         }
     }
 
+    /// Returns how many rays a plan takes for each sample, where the mesh is filled.
+    pub(super) fn rays_per_sample(&self, pilot: &mut Pilot<'_, '_, '_>, plan: LightingPlan) -> Result<f64, Error> {
+        let before = pilot.stats.rays.total();
+        pilot.light_pixels(&self.pixels, self.spp, plan)?;
+        Ok((pilot.stats.rays.total() - before) as f64 / self.film.sample_count() as f64)
+    }
+
     /// Doubles the number of paths.
     fn add_paths(&mut self, pilot: &mut Pilot<'_, '_, '_>) -> Result<(), Error> {
         let count = self.paths.max(1);
