@@ -81,7 +81,7 @@ pub(super) fn keep_bound(
     let mut verification = Verification::new(pilot);
     let found = verification.compare(pilot, first, bound)?;
     let mut search = Search { verification, best: Verified { plan: first, found }, bound };
-    let mut has_more_rays = false;
+    let mut is_shaded_again = false;
     // Each step makes one of the two lights better; those that are left undone are more expensive.
     for make_better in
         [Search::trace_short_rays, Search::shade_better, Search::trace_sky, Search::gather, Search::follow]
@@ -91,8 +91,8 @@ pub(super) fn keep_bound(
         }
         make_better(&mut search, pilot)?;
         // Direct light may have room now that the rest is better.
-        if !has_more_rays && !search.is_kept() && search.rest() < MUCH * bound * bound {
-            has_more_rays = true;
+        if !is_shaded_again && !search.is_kept() && search.rest() < MUCH * bound * bound {
+            is_shaded_again = true;
             search.shade_better(pilot)?;
         }
     }
