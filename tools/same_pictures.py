@@ -2,7 +2,7 @@
 
     python tools/same_pictures.py OLD/lightmesh NEW/lightmesh [SCENE ...]
 
-Renders each scene by all six methods with layers, and scenes/room_15.glb with the options that take other ways through the
+Renders each scene by all methods with layers, and scenes/room_15.glb with the options that take other ways through the
 code. Compares the bytes of the EXR files: all pixels and layers, and all attributes but `renderSeconds`. Needs no packages.
 Exit status 1 if any picture differs.
 """
@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 OWN = ["cornell.glb", "room_15.glb", "room_100.glb", "room_1000.glb"]
-METHODS = ["mesh", "paper", "standard", "hybrid", "unbiased", "path"]
+METHODS = ["auto", "mesh", "paper", "standard", "hybrid", "unbiased", "path"]
 LAYERS = "albedo,normal,depth,direct,indirect"
 SPECIAL = [
     "--error 0.05",

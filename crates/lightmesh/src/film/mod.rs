@@ -27,7 +27,6 @@ pub(crate) use layers::Layers;
 use order::TileOrder;
 use pass::Pass;
 pub(crate) use passes::{NoiseBound, SumOrder, WAVE, take_more_samples, take_samples};
-
 use sample_noise::SampleNoise;
 
 use crate::geometry::{Cone, Ray};

@@ -28,8 +28,10 @@ use crate::{Error, Scene};
 /// How far short rays go, in spacings of the indirect mesh. Empirical: docs/near-light.md.
 const REACH: f32 = 1.5;
 
-/// Rays that are alive at a time, some 200 B each and as much again where they meet something.
+/// Rays that are alive at a time, some 200 B each and as much again where they meet something, and rays that make a list.
+/// Of a point with more rays than that, all are alive.
 const AT_ONCE: usize = 1 << 17;
+const RAYS: usize = 1 << 11;
 
 /// How many rays are shot from each point, and how far light is followed.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +43,7 @@ pub(crate) struct NearRays {
 }
 
 /// Surface points that have read the mesh, and their irradiance, lux, which is to be corrected.
+#[derive(Debug, Default)]
 pub(crate) struct NearPoints<'a> {
     /// Those of a pixel follow each other and share an id: their rays are strata of one hemisphere.
     pub points: Vec<ShadingPoint>,
@@ -57,20 +60,22 @@ impl IndirectField {
         &mut self,
         direct: &mut DirectLighting<'_, '_>,
         marks: &mut Marks,
-        lists: &mut [NearPoints<'_>],
+        near: NearPoints<'_>,
         rays: NearRays,
     ) -> Result<(), Error> {
         let NearRays { count, bounces } = rays;
-        let longest = lists.iter().map(|list| list.points.len()).max().unwrap_or(0);
-        let together = (AT_ONCE / (longest * count as usize).max(1)).max(1);
+        let NearPoints { points, mut irradiance } = near;
+        let together = (RAYS / count as usize).max(1);
+        let at_once = (AT_ONCE / (together * count as usize)).max(1) * together;
         let mut gathers: Vec<GatherRays> = Vec::new();
-        for lists in lists.chunks_mut(together) {
-            // Shoot the rays.
-            gathers.resize_with(gathers.len().max(lists.len()), GatherRays::default);
-            let batch = &mut gathers[..lists.len()];
+        for (points, irradiance) in points.chunks(at_once).zip(irradiance.chunks_mut(at_once)) {
+            // Shoot the rays of several points as one list.
+            let lists = points.len().div_ceil(together);
+            gathers.resize_with(gathers.len().max(lists), GatherRays::default);
+            let batch = &mut gathers[..lists];
             let (scene, options, field) = (direct.scene, direct.options, &*self);
-            batch.par_iter_mut().zip(&*lists).for_each(|(gather, list)| {
-                gather.shoot(scene, options, PI / count as f32, field.short_rays(&list.points, count, options.seed));
+            batch.par_iter_mut().zip(points.par_chunks(together)).for_each(|(gather, points)| {
+                gather.shoot(scene, options, PI / count as f32, field.short_rays(points, count, options.seed));
                 if bounces == 0 {
                     gather.hits.vertices.clear();
                 }
@@ -94,11 +99,11 @@ impl IndirectField {
                 rest = others;
             }
             let field = &*self;
-            let traced = batch
-                .par_iter()
-                .zip(of_list)
-                .zip(lists)
-                .map(|((gather, indirect), list)| field.replace_near(scene, gather, indirect, list, rays, marks));
+            let surfaces = points.par_chunks(together).zip(irradiance.par_chunks_mut(together));
+            let traced =
+                batch.par_iter().zip(of_list).zip(surfaces).map(|((gather, indirect), (points, irradiance))| {
+                    field.replace_near(scene, gather, indirect, (points, irradiance), rays, marks)
+                });
             direct.stats.rays.secondary += traced.sum::<u64>();
             for gather in batch.iter_mut() {
                 let short = gather.take_rays(direct);
@@ -146,7 +151,7 @@ impl IndirectField {
         scene: &Scene,
         gather: &GatherRays,
         indirect: &[Option<Vec3>],
-        list: &mut NearPoints<'_>,
+        (points, irradiance): (&[ShadingPoint], &mut [&mut Vec3]),
         NearRays { count, bounces }: NearRays,
         marks: &Marks,
     ) -> u64 {
@@ -163,7 +168,7 @@ impl IndirectField {
 
         let mut reader = self.reader(scene, bounces, CornerVisibility::All);
         let rays = found.chunks_exact(count as usize).zip(gather.batch().chunks_exact(count as usize));
-        for ((found, rays), (point, irradiance)) in rays.zip(list.points.iter().zip(&mut list.irradiance)) {
+        for ((found, rays), (point, irradiance)) in rays.zip(points.iter().zip(irradiance)) {
             if found.iter().all(Option::is_none) {
                 continue;
             }

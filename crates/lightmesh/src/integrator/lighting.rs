@@ -152,8 +152,9 @@ fn add_indirect(
     // Correct what was read where surfaces are near.
     if let Indirect::Mesh { near_rays: count @ 1.. } = direct.plan.indirect {
         let started = Instant::now();
-        let mut lists: Vec<NearPoints<'_>> = blocks.par_iter_mut().map(|block| block.read_points()).collect();
-        field.correct_near(&mut direct, marks, &mut lists, NearRays { count, bounces })?;
+        let mut near = NearPoints::default();
+        blocks.iter_mut().for_each(|block| block.list_read_points(&mut near));
+        field.correct_near(&mut direct, marks, near, NearRays { count, bounces })?;
         direct.stats.seconds.shade += started.elapsed().as_secs_f64();
     }
 

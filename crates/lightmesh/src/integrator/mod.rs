@@ -1,10 +1,11 @@
-//! The six methods of [`Method`](crate::Method), drawn as pictures and measured by meters.
+//! The seven methods of [`Method`](crate::Method), drawn as pictures and measured by meters.
 //!
 //! | method | light of a surface | where |
 //! |---|---|---|
 //! | `path` | paths of its own | `path.rs`, `emitter_sampling.rs`; meters: `meter_paths.rs` |
 //! | `standard` | a shadow ray to every light | `wave.rs`, `lighting.rs`; meters: `meters.rs` |
-//! | `mesh` | read from the light mesh; with an error bound, by the plan of `adaptive/` | as `standard` |
+//! | `auto` | by the plan of `adaptive/`: the mesh light by light, shadow, short and gather rays | as `standard` |
+//! | `mesh` | read from the light mesh, by mean visibility; with an error as long as that keeps it | as `standard` |
 //! | `paper` | read from the light mesh, as in the paper | as `standard` |
 //! | `hybrid` | from the mesh light by light, with shadow rays where its points differ | as `standard` |
 //! | `unbiased` | the mesh as control variate of shadow and gather rays | as `standard` |

@@ -104,15 +104,17 @@ impl PointBlock {
         self.visibility_rays += reader.visibility_rays();
     }
 
-    /// The points that have read the indirect mesh, once none waits.
-    pub(super) fn read_points(&mut self) -> NearPoints<'_> {
+    /// Adds the points that have read the indirect mesh, once none waits, to those whose irradiance is to be corrected.
+    pub(super) fn list_read_points<'a>(&'a mut self, near: &mut NearPoints<'a>) {
         let Self { batch, indirect, unresolved, .. } = self;
-        let mut others = unresolved.iter().peekable();
-        let is_read = |i: u32| others.next_if(|&&other| other == i).is_none();
-        let read: Vec<bool> = (0..indirect.len() as u32).map(is_read).collect();
-        let points = batch.vertices.iter().zip(&read).filter(|(_, read)| **read).map(|(point, _)| *point);
-        let irradiance = indirect.iter_mut().zip(&read).filter(|(_, read)| **read).map(|(irradiance, _)| irradiance);
-        NearPoints { points: points.collect(), irradiance: irradiance.collect() }
+        let mut is_read = vec![true; indirect.len()];
+        unresolved.iter().for_each(|&i| is_read[i as usize] = false);
+        for ((point, irradiance), is_read) in batch.vertices.iter().zip(indirect).zip(is_read) {
+            if is_read {
+                near.points.push(*point);
+                near.irradiance.push(irradiance);
+            }
+        }
     }
 
     /// The points that no point of the indirect mesh can serve.

@@ -24,9 +24,9 @@ const _: () = assert!(RAYS as u64 == WAVE);
 /// parts of it. Measured: docs/near-light.md.
 const NOISE_SHARES: (f64, f64) = (0.4, 0.6);
 
-/// The error where no bound is given, and how many times the first samples may then be added to. A judgement: noise that
+/// The error by noise where no bound is given, and how many times the first samples may then be added to. A judgement: noise that
 /// is everywhere takes a better way to find light, not a picture that takes an hour.
-const DEFAULT_ERROR: f64 = 0.05;
+const DEFAULT_NOISE: f64 = 0.025;
 const MOST_MORE: u64 = 3;
 
 /// What becomes of a wave.
@@ -217,7 +217,7 @@ impl<'a> WaveFrame<'a> {
 fn noise_bound(most_spp: u32, film: &Film, options: &RenderOptions, rest: Option<f64>) -> NoiseBound {
     let Some(bound) = options.method.error().map(f64::from) else {
         let most = MOST_MORE * film.pixel_count() * u64::from(options.picture.spp);
-        return NoiseBound { most_spp, error: 0.5 * DEFAULT_ERROR, most };
+        return NoiseBound { most_spp, error: DEFAULT_NOISE, most };
     };
     let left = (bound * bound - rest.map_or(0.0, |rest| rest * rest)).max(0.0).sqrt();
     let (least, most) = (NOISE_SHARES.0 * bound, NOISE_SHARES.1 * bound);

@@ -16,7 +16,7 @@ pub struct PictureOptions {
     /// most.
     pub spp: u32,
     /// The most samples of a pixel, up to 65536: those with most noise get four and sixteen times as many as
-    /// [`Self::spp`], and so on, until the noise of the picture is half of its error bound, or of 5% of its mean. `None`:
+    /// [`Self::spp`], and so on, until the noise of the picture is about half of its error bound, or 2.5% of its mean. `None`:
     /// every pixel has the same number, as always with the methods [`Path`](super::Method::Path) and
     /// [`Unbiased`](super::Method::Unbiased), with a time limit, and in the parts of a distributed picture.
     pub most_spp: Option<u32>,

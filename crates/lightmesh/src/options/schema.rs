@@ -242,7 +242,7 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             value_name: "N",
             help: "Samples per pixel, 1 to 65536; box filter of one pixel; 1 samples the pixel's centre",
             default_note: Some(
-                "4, and up to 64 where there is noise (--most-spp); with --time-limit, which makes it the most, 65536",
+                "4, and up to 64 where there is noise (--most-spp), with --quality preview 2 to 16; with --time-limit, which makes it the most, 65536",
             ),
             ..About::PLAIN
         },
@@ -255,7 +255,7 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             kind: Kind::Whole(1, PictureOptions::MOST_SPP as u64),
             value_name: "N",
             help: "Most samples of a pixel: those with most noise, on outlines and where few rays are not enough, get more \
-                   than --spp, until the noise of the picture is half of --error, or 2.5% of its mean",
+                   than --spp, until the noise of the picture is about half of the error, or 2.5% of its mean",
             default_note: Some("64; with --spp or --time-limit the same number for all"),
             methods: &["auto", "mesh", "paper", "hybrid", "standard"],
             since: "0.2",
