@@ -297,6 +297,23 @@ mod tests {
         assert_eq!(Chosen::default().surroundings(), Surroundings::default());
     }
 
+    /// A later error takes the place of an earlier quality, and a later method of both.
+    #[test]
+    fn an_error_and_a_quality_are_one_choice() {
+        let said = |name: &str, text: &str| {
+            let mut chosen = Chosen::default();
+            chosen.choose(&choice(name).expect("an option"), &Value::text(text)).expect("a value");
+            chosen
+        };
+        let method = |chosen: Chosen| chosen.render_options().expect("options").method;
+        assert_eq!(method(said("quality", "final").over(&said("error", "0.3"))), Method::with_error(0.3));
+        assert_eq!(method(said("error", "0.3").over(&said("quality", "final"))), Method::with_error(0.02));
+        assert_eq!(method(said("error", "0.3").over(&said("method", "hybrid"))), Method::Hybrid);
+        let mut preferred = said("error", "0.3");
+        preferred.prefer_method(Method::MESH);
+        assert_eq!(method(preferred), Method::with_error(0.3));
+    }
+
     #[test]
     fn names_are_found_in_either_spelling_and_by_the_old_name() {
         let name = |text| choice(text).map(|about| about.name);

@@ -1,6 +1,7 @@
 //! What the user may choose; the command line and Python take everything about it from [`schema`].
 
 mod aov;
+mod chosen;
 mod falloff;
 mod interpolation;
 mod limits;
