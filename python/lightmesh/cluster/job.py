@@ -113,7 +113,9 @@ class Pictures:
     def sketch(self, frame: int) -> PictureJob:
         """The same with a sample per pixel, which reads nearly the same mesh points. Itself, where all samples decide
         about the mesh."""
-        return self._picture(frame, None if any(self.job.options.get(name) for name in _LOOKS_AT_ALL) else 1)
+        options = self.job.options
+        decides = options.get("method", "auto") == "auto" or any(options.get(name) for name in _LOOKS_AT_ALL)
+        return self._picture(frame, None if decides else 1)
 
     def any(self) -> PictureJob:
         """The last one that was asked for, or the first."""

@@ -27,6 +27,7 @@ pub(crate) use layers::Layers;
 use order::TileOrder;
 use pass::Pass;
 pub(crate) use passes::{NoiseBound, SumOrder, WAVE, take_more_samples, take_samples};
+pub(crate) use sample_noise::BRIGHTEST;
 use sample_noise::SampleNoise;
 
 use crate::geometry::{Cone, Ray};

@@ -2,7 +2,7 @@
 
 use super::pass::Pass;
 use super::sample_noise::PartMean;
-use super::{Film, WAVE};
+use super::{BRIGHTEST, Film, WAVE};
 
 impl Film {
     /// Keeps the sums so far, the first part of every pixel's samples: from how the rest differs follows the noise.
@@ -62,14 +62,14 @@ impl Film {
         self.noise.error()
     }
 
-    /// The mean of the picture so far, over pixels and channels; what is far brighter counts as eight times what it would
-    /// be without.
+    /// The mean of the picture so far, over pixels and channels; what is brighter than [`BRIGHTEST`] times what it would be
+    /// without that counts as so much.
     fn mean(&self) -> f32 {
         let of = |most: f32| {
             let means = self.sums.iter().zip(&self.taken).map(|(sum, &taken)| *sum / taken.max(1) as f32);
             means.map(|mean| f64::from(mean.min(glam::Vec3::splat(most)).element_sum())).sum::<f64>()
                 / (3 * self.sums.len().max(1)) as f64
         };
-        of(8.0 * of(f32::INFINITY) as f32) as f32
+        of(BRIGHTEST * of(f32::INFINITY) as f32) as f32
     }
 }

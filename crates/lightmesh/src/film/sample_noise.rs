@@ -7,8 +7,9 @@
 
 use glam::Vec3;
 
-/// What is brighter than so many times the picture's mean counts as that: on a display it is white.
-const BRIGHTEST: f32 = 8.0;
+/// What is brighter than so many times the picture's mean counts as that, wherever errors of pictures are estimated: on a
+/// display it is white.
+pub(crate) const BRIGHTEST: f32 = 8.0;
 
 /// The variance of a pixel's mean as a part of what independent samples would have: of the first few, whose halves miss
 /// more strata, and of more. Measured: docs/near-light.md.

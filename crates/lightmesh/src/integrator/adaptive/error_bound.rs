@@ -16,8 +16,8 @@ use super::pilot::Pilot;
 use crate::direct::{Indirect, LightingPlan, SamplingPolicy, Shading, TrustAgreement};
 use crate::{Error, RenderStats};
 
-/// Pixels in each set: one in so many, within limits. Empirical: with 1024 pixels the estimate was a third too low
-/// once, where few pixels are wrong (a test's hall of forty lamps).
+/// Pixels in each set: one in so many, within limits. Judgements: once, in a test's hall of forty lamps of which few
+/// pixels are wrong, the error of 1024 pixels was a third too low; `verify.rs` has the last word.
 const PIXELS_PER_CHECK: u64 = 200;
 const CHECKS: std::ops::RangeInclusive<u64> = 1024..=4096;
 

@@ -15,7 +15,7 @@ use super::pilot::Pilot;
 use crate::Error;
 use crate::Stage;
 use crate::direct::{Indirect, LightingPlan};
-use crate::film::Film;
+use crate::film::{BRIGHTEST, Film};
 use crate::integrator::path_pixels::{PathSums, trace_pixels};
 use crate::progress::Reporter;
 use crate::sampling::hash;
@@ -28,9 +28,6 @@ const PIXELS_PER_CHECK: u64 = 8;
 /// more. Judgements: a quarter of a second of two cores, and less than the picture itself.
 const MOST_RAYS: u64 = 1 << 19;
 const RAYS_PER_SAMPLE: u64 = 3;
-
-/// How many times the picture's mean what is brighter counts as.
-const BRIGHTEST: f32 = 8.0;
 
 /// Paths end where the standard deviation of the mean square is below this part of the squared bound, or of the mean
 /// square itself.
