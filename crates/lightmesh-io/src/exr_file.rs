@@ -5,13 +5,14 @@ use std::io::{BufReader, Seek};
 use std::panic::AssertUnwindSafe;
 
 use exr::meta::BlockDescription;
-use exr::meta::attribute::TileDescription;
-use exr::prelude::{AnyChannels, FlatSamples, MetaData, ReadChannels, ReadLayers};
+use exr::meta::header::Header;
+use exr::prelude::{AnyChannels, Compression, FlatSamples, MetaData, ReadChannels, ReadLayers};
 use glam::Vec3;
 use lightmesh::Image;
 
 use crate::budget::Budget;
 use crate::error::Error;
+use crate::exr_dwa;
 use crate::picture_file::PictureFile;
 
 /// The most channels, in all layers.
@@ -33,8 +34,12 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     let announced = check(file, &meta)?;
     budget.take(&file.name, "the picture's samples", announced.sample_bytes, 1)?;
     budget.take(&file.name, "the picture", announced.largest_layer, size_of::<Vec3>() as u64)?;
-    budget.take(&file.name, "a tile", announced.tile_bytes, 1)?;
+    budget.take(&file.name, "the decoder", announced.decoder_bytes, 1)?;
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
+    if meta.headers.iter().any(|header| is_dwa(header.compression)) {
+        exr_dwa::check_chunks(file, &mut reader)?;
+        reader.rewind().map_err(|cause| file.unreadable(cause))?;
+    }
 
     // Take the first layer that has colour, else the first that has luminance. The library's own threads would be beside
     // those that the user allows, and a panic of one of them ends the process.
@@ -84,13 +89,13 @@ struct Announced {
     sample_bytes: u64,
     /// Pixels of the largest layer.
     largest_layer: u64,
-    /// Bytes of the largest tile, which may be larger than the picture.
-    tile_bytes: u64,
+    /// The most bytes that decoding a chunk takes: tiles may be larger than the picture.
+    decoder_bytes: u64,
 }
 
 /// Refuses headers that announce more than is read, or than the file can hold.
 fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
-    let mut announced = Announced { sample_bytes: 0, largest_layer: 0, tile_bytes: 0 };
+    let mut announced = Announced { sample_bytes: 0, largest_layer: 0, decoder_bytes: 0 };
     let (mut channels, mut chunks) = (0_usize, 0_u64);
     for header in &meta.headers {
         let (width, height) = (header.layer_size.x() as u64, header.layer_size.y() as u64);
@@ -101,10 +106,8 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
         let bytes = (width * height).saturating_mul(bytes_per_pixel as u64);
         announced.sample_bytes = announced.sample_bytes.saturating_add(bytes);
         announced.largest_layer = announced.largest_layer.max(width * height);
-        if let BlockDescription::Tiles(TileDescription { tile_size, .. }) = header.blocks {
-            let pixels = (tile_size.x() as u64).saturating_mul(tile_size.y() as u64);
-            announced.tile_bytes = announced.tile_bytes.max(pixels.saturating_mul(bytes_per_pixel as u64));
-        }
+        announced.decoder_bytes =
+            announced.decoder_bytes.max(LargestChunk::new(header).decoder_bytes(header.compression));
     }
     if channels > MAX_CHANNELS {
         return Err(file.invalid(format_args!("has {channels} channels; at most {MAX_CHANNELS} are read")));
@@ -117,6 +120,45 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
     }
     file.check_samples(announced.sample_bytes, EXPANSION)?;
     Ok(announced)
+}
+
+/// The largest chunk of a layer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LargestChunk {
+    pub(crate) width: u64,
+    pub(crate) height: u64,
+    /// Samples of a pixel.
+    pub(crate) channels: u64,
+    /// Bytes of its samples.
+    pub(crate) bytes: u64,
+}
+
+impl LargestChunk {
+    pub(crate) fn new(header: &Header) -> Self {
+        let size = header.max_block_pixel_size();
+        let (width, mut height) = (size.x() as u64, size.y() as u64);
+        if matches!(header.blocks, BlockDescription::ScanLines) {
+            height = height.min(header.layer_size.y() as u64);
+        }
+        let channels = &header.channels.list;
+        let bytes_per_pixel: usize = channels.iter().map(|c| c.sample_type.bytes_per_sample()).sum();
+        let bytes = width.saturating_mul(height).saturating_mul(bytes_per_pixel as u64);
+        Self { width, height, channels: channels.len() as u64, bytes }
+    }
+
+    /// The most bytes that decoding it takes.
+    fn decoder_bytes(&self, compression: Compression) -> u64 {
+        if is_dwa(compression) {
+            exr_dwa::decoder_bytes(self)
+        } else {
+            // As it is stored, unpacked, put in order, and a buffer for that.
+            self.bytes.saturating_mul(4)
+        }
+    }
+}
+
+pub(crate) fn is_dwa(compression: Compression) -> bool {
+    matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
 /// Returns the samples of a channel; `None` if it has not one per pixel.

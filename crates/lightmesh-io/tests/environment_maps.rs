@@ -3,7 +3,9 @@
 use std::io::Cursor;
 
 use crate::common::assert_says;
-use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage};
+use exr::prelude::{
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Layer, LayerAttributes, WritableImage,
+};
 use lightmesh::Texels;
 use lightmesh_io::{EnvironmentMap, Error, LoadOptions, read_environment};
 
@@ -73,13 +75,12 @@ fn run_length_encoded_radiance_texels_come_back() {
 
 /// An EXR of these channels.
 fn exr(width: usize, height: usize, channels: &[(&str, FlatSamples)]) -> Vec<u8> {
+    encoded_exr(Encoding::FAST_LOSSLESS, width, height, channels)
+}
+
+fn encoded_exr(encoding: Encoding, width: usize, height: usize, channels: &[(&str, FlatSamples)]) -> Vec<u8> {
     let channels = channels.iter().map(|(name, samples)| AnyChannel::new(*name, samples.clone())).collect();
-    let layer = Layer::new(
-        (width, height),
-        LayerAttributes::named("sky"),
-        Encoding::FAST_LOSSLESS,
-        AnyChannels::sort(channels),
-    );
+    let layer = Layer::new((width, height), LayerAttributes::named("sky"), encoding, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
     exr::prelude::Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
     bytes.into_inner()
@@ -99,6 +100,37 @@ fn exr_texels_come_back() {
     assert_eq!(map.warnings, [""; 0]);
     let grey = read("sky.exr", &exr(4, 2, &[("Y", floats(&r2))])).unwrap();
     assert_eq!(texels(&grey)[1], [2.5, 2.5, 2.5, 1.0]);
+}
+
+/// DWAA, lossy: a chunk says how much is to be unpacked, and is held against its place in the picture.
+#[test]
+fn lossy_exr_texels_come_back_and_their_chunks_cannot_ask_for_memory() {
+    let encoding = Encoding { compression: Compression::DWAA(None), ..Encoding::FAST_LOSSLESS };
+    let values: Vec<f32> = (0..32 * 16).map(|i| 1.0 + (i % 32) as f32 / 16.0).collect();
+    let channels = ["R", "G", "B"].map(|name| (name, floats(&values)));
+    let file = encoded_exr(encoding, 32, 16, &channels);
+    let map = read("sky.exr", &file).unwrap();
+    assert!(texels(&map).iter().zip(&values).all(|(texel, value)| (texel[0] - value).abs() < 0.02 * value));
+
+    // The only entry of the offset table stands right before its tile: four coordinates, size, and eleven numbers.
+    let table = (0..file.len() - 8).find(|&at| file[at..at + 8] == (at as u64 + 8).to_le_bytes()).unwrap();
+    let numbers = table + 8 + 5 * 4;
+    assert_eq!(file[numbers..numbers + 8], 2_u64.to_le_bytes(), "the version");
+    for (number, value) in
+        [(1, 1_u64 << 40), (6, 1 << 40), (7, 1 << 40), (8, 1 << 40), (9, 1 << 40), (1, 64 * 64 * 12 + 1)]
+    {
+        let mut lying = file.clone();
+        lying[numbers + 8 * number..][..8].copy_from_slice(&value.to_le_bytes());
+        assert_says(&refusal("sky.exr", &lying), &["a chunk announces more than its place in the picture holds"]);
+    }
+
+    // Squares of 8 pixels hold a line of one.
+    let line = vec![1.0; 1 << 14];
+    let lines = Encoding { compression: Compression::DWAA(None), ..Encoding::SMALL_LOSSLESS };
+    let file = encoded_exr(lines, 1 << 14, 1, &["R", "G", "B"].map(|name| (name, floats(&line))));
+    assert!(read_within(8 << 20, "sky.exr", &file).is_ok());
+    let message = read_within(2 << 20, "sky.exr", &file).map(|_| ()).expect_err("the decoder takes more").to_string();
+    assert_says(&message, &["sky.exr", "the decoder", "memory"]);
 }
 
 /// What no light can be becomes 0; what was too bright for its file, the brightest that fits it.
@@ -188,5 +220,5 @@ fn large_tiles_of_small_pictures_are_counted() {
     let mut bytes = Cursor::new(Vec::new());
     exr::prelude::Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
     let message = read_within(1 << 20, "tiles.exr", bytes.get_ref()).unwrap_err().to_string();
-    assert_says(&message, &["tiles.exr", "a tile", "--max-memory"]);
+    assert_says(&message, &["tiles.exr", "the decoder", "--max-memory"]);
 }

@@ -22,6 +22,8 @@ pub(crate) fn seeds() -> Vec<Seed> {
         ("pxr24", Compression::PXR24, Blocks::ScanLines),
         ("b44", Compression::B44, Blocks::ScanLines),
         ("b44a", Compression::B44A, Blocks::ScanLines),
+        ("dwaa", Compression::DWAA(None), Blocks::ScanLines),
+        ("dwab", Compression::DWAB(None), Blocks::Tiles((8, 8).into())),
         ("tiles", Compression::ZIP16, Blocks::Tiles((8, 8).into())),
     ];
     let mut seeds: Vec<Seed> = kinds
@@ -44,14 +46,19 @@ fn hdr(settings: &str, width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
     [head.as_bytes(), pixels].concat()
 }
 
-/// A map of three channels: 16-bit floats, 32-bit floats and whole numbers.
+/// A map of three channels: 16-bit floats, 32-bit floats and whole numbers where they can be packed so.
 fn exr(compression: Compression, blocks: Blocks, names: [&str; 3]) -> Vec<u8> {
     let value = |i: usize| (i % 23) as f32 * 0.25;
     let count = 0..WIDTH * HEIGHT;
+    let is_dwa = matches!(compression, Compression::DWAA(_) | Compression::DWAB(_));
     let samples = [
         FlatSamples::F16(count.clone().map(|i| f16::from_f32(value(i))).collect()),
         FlatSamples::F32(count.clone().map(value).collect()),
-        FlatSamples::U32(count.map(|i| i as u32).collect()),
+        if is_dwa {
+            FlatSamples::F32(count.map(value).collect())
+        } else {
+            FlatSamples::U32(count.map(|i| i as u32).collect())
+        },
     ];
     let channels = names.into_iter().zip(samples).map(|(name, samples)| AnyChannel::new(name, samples)).collect();
     let layer = Layer::new(
