@@ -4,13 +4,19 @@ use std::fs::File;
 use std::io::BufReader;
 
 use exr::block::chunk::CompressedBlock;
+use exr::prelude::Compression;
 
 use crate::error::Error;
-use crate::exr_file::{LargestChunk, is_dwa};
+use crate::exr_chunk::LargestChunk;
 use crate::picture_file::PictureFile;
 
 /// The edge of the squares that are transformed, pixels.
 const SQUARE: u64 = 8;
+
+/// Whether a layer is compressed so.
+pub(crate) fn is_dwa(compression: Compression) -> bool {
+    matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
+}
 
 /// The most bytes that decoding such a chunk takes.
 pub(crate) fn decoder_bytes(chunk: &LargestChunk) -> u64 {

@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::panic::AssertUnwindSafe;
 
-use exr::meta::BlockDescription;
 use exr::meta::header::Header;
-use exr::prelude::{AnyChannels, Compression, FlatSamples, MetaData, ReadChannels, ReadLayers};
+use exr::prelude::{AnyChannels, FlatSamples, MetaData, ReadChannels, ReadLayers};
 use glam::Vec3;
 use lightmesh::Image;
 
 use crate::budget::Budget;
 use crate::error::Error;
+use crate::exr_chunk::LargestChunk;
 use crate::exr_dwa;
 use crate::picture_file::PictureFile;
 
@@ -36,7 +36,7 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     budget.take(&file.name, "the picture", announced.largest_layer, size_of::<Vec3>() as u64)?;
     budget.take(&file.name, "the decoder", announced.decoder_bytes, 1)?;
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
-    if meta.headers.iter().any(|header| is_dwa(header.compression)) {
+    if meta.headers.iter().any(|header| exr_dwa::is_dwa(header.compression)) {
         exr_dwa::check_chunks(file, &mut reader)?;
         reader.rewind().map_err(|cause| file.unreadable(cause))?;
     }
@@ -106,8 +106,7 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
         let bytes = (width * height).saturating_mul(bytes_per_pixel as u64);
         announced.sample_bytes = announced.sample_bytes.saturating_add(bytes);
         announced.largest_layer = announced.largest_layer.max(width * height);
-        announced.decoder_bytes =
-            announced.decoder_bytes.max(LargestChunk::new(header).decoder_bytes(header.compression));
+        announced.decoder_bytes = announced.decoder_bytes.max(decoder_bytes(header));
     }
     if channels > MAX_CHANNELS {
         return Err(file.invalid(format_args!("has {channels} channels; at most {MAX_CHANNELS} are read")));
@@ -122,43 +121,15 @@ fn check(file: &PictureFile, meta: &MetaData) -> Result<Announced, Error> {
     Ok(announced)
 }
 
-/// The largest chunk of a layer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LargestChunk {
-    pub(crate) width: u64,
-    pub(crate) height: u64,
-    /// Samples of a pixel.
-    pub(crate) channels: u64,
-    /// Bytes of its samples.
-    pub(crate) bytes: u64,
-}
-
-impl LargestChunk {
-    pub(crate) fn new(header: &Header) -> Self {
-        let size = header.max_block_pixel_size();
-        let (width, mut height) = (size.x() as u64, size.y() as u64);
-        if matches!(header.blocks, BlockDescription::ScanLines) {
-            height = height.min(header.layer_size.y() as u64);
-        }
-        let channels = &header.channels.list;
-        let bytes_per_pixel: usize = channels.iter().map(|c| c.sample_type.bytes_per_sample()).sum();
-        let bytes = width.saturating_mul(height).saturating_mul(bytes_per_pixel as u64);
-        Self { width, height, channels: channels.len() as u64, bytes }
+/// The most bytes that decoding a chunk of a layer takes.
+fn decoder_bytes(header: &Header) -> u64 {
+    let chunk = LargestChunk::new(header);
+    if exr_dwa::is_dwa(header.compression) {
+        exr_dwa::decoder_bytes(&chunk)
+    } else {
+        // As it is stored, unpacked, put in order, and a buffer for that.
+        chunk.bytes.saturating_mul(4)
     }
-
-    /// The most bytes that decoding it takes.
-    fn decoder_bytes(&self, compression: Compression) -> u64 {
-        if is_dwa(compression) {
-            exr_dwa::decoder_bytes(self)
-        } else {
-            // As it is stored, unpacked, put in order, and a buffer for that.
-            self.bytes.saturating_mul(4)
-        }
-    }
-}
-
-pub(crate) fn is_dwa(compression: Compression) -> bool {
-    matches!(compression, Compression::DWAA(_) | Compression::DWAB(_))
 }
 
 /// Returns the samples of a channel; `None` if it has not one per pixel.

@@ -31,6 +31,7 @@ mod beside;
 mod budget;
 mod environment_map;
 mod error;
+mod exr_chunk;
 mod exr_dwa;
 mod exr_file;
 mod gltf;

@@ -46,7 +46,7 @@ fn whole_way(path: &Path, method: Method, max_memory: u64) -> Result<(), Refused
     let camera = scene.data().cameras.first().cloned().unwrap_or_else(|| scene.data().framing_camera());
     let mut options = RenderOptions { method, limits, ..RenderOptions::default() };
     (options.picture.width, options.picture.height, options.picture.spp) = (24, 16, 1);
-    options.mesh.gather_rays = 16;
+    options.mesh.gather_rays = Some(16);
     let mut mesh = LightMesh::for_cameras(&scene, &options, std::slice::from_ref(&camera))?;
     let frame = render(&scene, &camera, &options, &mut mesh, &())?;
     assert_eq!(frame.stats.non_finite_pixels, 0);

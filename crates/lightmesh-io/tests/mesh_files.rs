@@ -54,7 +54,7 @@ fn options(method: Method, bounces: u32) -> RenderOptions {
         o.picture.width = 16;
         o.picture.height = 12;
         o.picture.spp = 1;
-        o.mesh.gather_rays = 16;
+        o.mesh.gather_rays = Some(16);
         o.mesh.spacing = spacing;
         o.mesh.indirect_spacing = spacing;
     })

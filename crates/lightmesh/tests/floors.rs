@@ -47,6 +47,8 @@ const FLOORS: [(&str, &[&str]); 6] = [
             "texture_image",
             "picture_file",
             "load_options",
+            "exr_chunk",
+            "exr_dwa",
             "exr_file",
             "radiance_file",
             "environment_map",
@@ -61,7 +63,7 @@ const FLOORS: [(&str, &[&str]); 6] = [
             "output_faults",
         ],
     ),
-    ("lightmesh-denoise", &["error", "search", "library", "denoiser", "noise", "picture"]),
+    ("lightmesh-denoise", &["error", "search", "resources", "library", "denoiser", "noise", "picture"]),
     (
         "lightmesh-reproduce",
         &["error", "watcher", "report", "scenes", "lab", "penumbra", "picture", "plot", "experiments", "files", "page"],
