@@ -6,12 +6,13 @@
 //! near part, which rays gather, so here: of K rays in proportion to the cosine, those that meet something within the
 //! reach R bring what is really there in place of what the mesh says of that direction ω,
 //!
-//! > E(y) = M(n) + π/K Σ_met [L(ω) − M(ω)/π], L = Le + a/π (D + M) where the ray ends,
+//! > E(y) = M(n) + π/K Σ_met [L(ω) − L_M(ω)], L = Le + a/π (D + M) where the ray ends,
 //!
-//! with M(ω) the mesh's irradiance at y on a plane that faces ω. Rays that meet nothing change nothing: in the open
+//! with L_M(ω) the radiance that gives the six faces of the mesh at y their irradiance ([`AmbientCube::radiance`]). Where all rays
+//! meet something, nothing of what the mesh says is left. Rays that meet nothing change nothing: in the open
 //! there is no noise, and a short ray through nothing is cheap. R, K and what they are worth: docs/near-light.md.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -173,7 +174,7 @@ impl IndirectField {
                 continue;
             }
             let Some(cube) = reader.read_cube(point, marks) else { continue };
-            let said = |ray: &Ray| AmbientCube::facing(ray.direction).project(&cube).truncate() * FRAC_1_PI;
+            let said = |ray: &Ray| AmbientCube::radiance(ray.direction, &cube).truncate();
             let differences: Vec3 = found.iter().zip(rays).filter_map(|(sum, ray)| Some((*sum)? - said(ray))).sum();
             **irradiance = (**irradiance + differences * (PI / count as f32)).max(Vec3::ZERO);
         }
