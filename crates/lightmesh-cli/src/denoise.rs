@@ -66,7 +66,7 @@ impl Denoise {
             let meshes = frame.stats.direct.bytes + frame.stats.indirect.bytes;
             let held = bytes(options).picture.saturating_add(scene.bytes()).saturating_add(meshes);
             let max_memory = options.limits.max_memory.saturating_sub(held);
-            let resources = Resources { threads: rayon::current_num_threads(), max_memory };
+            let resources = Resources::for_method(options.method, max_memory);
             denoise_picture(&self.denoiser, &mut frame.image, &frame.layers, noisy, resources, progress)?;
         }
         frame.layers.retain(|layer| self.kept.contains(layer.aov));

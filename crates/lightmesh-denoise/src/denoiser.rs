@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use lightmesh::Progress;
 
-use crate::Error;
 use crate::library::{Inputs, Library};
 use crate::search::{Candidate, Places};
+use crate::{Error, Resources};
 
 /// Open Image Denoise, loaded and ready; threads may share it.
 #[derive(Debug)]
@@ -23,15 +23,6 @@ pub struct Guides<'a> {
     pub albedo: &'a [f32],
     /// Shading normals, of length 1 or, where a pixel sees several, less.
     pub normal: &'a [f32],
-}
-
-/// What denoising may take of the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Resources {
-    /// Threads, at least 1.
-    pub threads: usize,
-    /// The memory that the library tries to stay below, bytes; it then works tile by tile, and takes longer.
-    pub max_memory: u64,
 }
 
 impl Denoiser {
@@ -108,7 +99,7 @@ impl Denoiser {
         let mut output = vec![0.0; color.len()];
         let device = self.library.device(resources.threads.max(1))?;
         let inputs = Inputs { width, height, color, albedo, normal };
-        device.run(inputs, resources.max_memory, progress, &mut output)?;
+        device.run(inputs, resources, progress, &mut output)?;
         Ok(output)
     }
 }
@@ -116,6 +107,7 @@ impl Denoiser {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::Effort;
 
     /// Runs a test of the library where there is one, and says so where there is none.
     #[expect(clippy::print_stderr, reason = "a test that did not run is to be seen")]
@@ -132,7 +124,7 @@ pub(crate) mod tests {
         ((x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93) >> 40) as f32 / (1 << 24) as f32
     }
 
-    const RESOURCES: Resources = Resources { threads: 2, max_memory: 1 << 30 };
+    const RESOURCES: Resources = Resources { threads: 2, max_memory: 1 << 30, effort: Effort::Full };
 
     #[test]
     fn what_is_missing_is_named() {

@@ -9,7 +9,7 @@ use std::ptr;
 
 use lightmesh::Progress;
 
-use crate::Error;
+use crate::{Effort, Error, Resources};
 
 /// `OIDNDevice`, `OIDNFilter`.
 type Handle = *mut c_void;
@@ -18,6 +18,9 @@ type Handle = *mut c_void;
 const CPU: c_int = 1;
 /// `OIDN_FORMAT_FLOAT3`.
 const FLOAT3: c_int = 3;
+
+/// `OIDN_QUALITY_FAST`.
+const QUALITY_FAST: c_int = 4;
 /// `OIDN_ERROR_NONE`.
 const NO_ERROR: c_int = 0;
 
@@ -156,7 +159,7 @@ impl Device<'_> {
     pub(crate) fn run(
         &self,
         inputs: Inputs<'_>,
-        max_memory: u64,
+        resources: Resources,
         progress: &dyn Progress,
         output: &mut [f32],
     ) -> Result<(), Error> {
@@ -175,6 +178,7 @@ impl Device<'_> {
             }
         }
         let library = self.library;
+        let Resources { max_memory, effort, .. } = resources;
         let megabytes = c_int::try_from(max_memory >> 20).unwrap_or(c_int::MAX);
         let mut progress = progress;
         // SAFETY: the device is not null. The filter reads the first three images and writes the last; each is a slice
@@ -202,6 +206,9 @@ impl Device<'_> {
             }
             (library.set_filter_bool)(filter.handle, c"hdr".as_ptr(), true);
             (library.set_filter_bool)(filter.handle, c"cleanAux".as_ptr(), true);
+            if effort == Effort::Fast {
+                (library.set_filter_int)(filter.handle, c"quality".as_ptr(), QUALITY_FAST);
+            }
             (library.set_filter_int)(filter.handle, c"maxMemoryMB".as_ptr(), megabytes);
             let watched = (&raw mut progress).cast();
             (library.set_filter_progress_monitor_function)(filter.handle, goes_on, watched);

@@ -195,12 +195,13 @@ fn noise_weight(spread: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Effort;
     use crate::denoiser::tests::{self, with_library};
 
     const WIDTH: u32 = 64;
     const HEIGHT: u32 = 48;
     const PIXELS: usize = (WIDTH * HEIGHT) as usize;
-    const RESOURCES: Resources = Resources { threads: 1, max_memory: 1 << 30 };
+    const RESOURCES: Resources = Resources { threads: 1, max_memory: 1 << 30, effort: Effort::Full };
 
     fn layer(aov: Aov, value: impl Fn(usize) -> Vec3) -> Layer {
         Layer { aov, values: (0..PIXELS).flat_map(|i| value(i).to_array()).collect() }

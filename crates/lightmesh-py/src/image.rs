@@ -191,7 +191,7 @@ impl PyImage {
         let mut image = self.clone();
         let work = move |watch: &Watch| {
             let started = Instant::now();
-            let resources = Resources { threads: rayon::current_num_threads(), max_memory };
+            let resources = Resources::for_method(noise.method, max_memory);
             denoise_picture(&denoiser, &mut image.picture.image, &image.layers, noise.layers, resources, watch)?;
             let denoised = Denoised { by: denoiser.name(), seconds: started.elapsed().as_secs_f64() };
             Ok::<_, lightmesh_denoise::Error>((image, denoised))

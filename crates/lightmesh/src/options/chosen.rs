@@ -1,7 +1,8 @@
 //! Options by name: what the command line, Python and files say, and what goes together.
 
+use super::method::SamplesOfPixel;
 use super::schema::{RENDER, Value, parsed};
-use super::{Interpolation, Method, PictureOptions, RenderOptions, method};
+use super::{Interpolation, Method, PictureOptions, RenderOptions};
 use crate::Error;
 
 impl RenderOptions {
@@ -26,7 +27,10 @@ impl RenderOptions {
         }
 
         // Samples, as they go with the method, and what does not go with it.
-        let (spp, most_spp) = method::samples_for(options.method);
+        let SamplesOfPixel { spp, most_spp, near_rays } = SamplesOfPixel::of(options.method);
+        if values("near-rays").is_none() {
+            options.mesh.near_rays = near_rays;
+        }
         match (values("spp"), values("time-limit"), values("most-spp")) {
             (None, None, most) => {
                 options.picture.spp = spp;
@@ -77,7 +81,7 @@ mod tests {
         assert_eq!(choose(&[]).expect("defaults"), defaults);
         assert_eq!(choose(&[("spp", "4"), ("method", "mesh")]).expect("options"), RenderOptions::default());
         let preview = choose(&[("quality", "preview")]).expect("options");
-        assert_eq!((preview.method, preview.picture.spp), (Method::with_error(0.1), 2));
+        assert_eq!((preview.method, preview.picture.spp, preview.mesh.near_rays), (Method::with_error(0.1), 2, 8));
         assert_eq!(choose(&[("interpolation", "sphere")]).expect("options").method, Method::MESH);
         let mesh = choose(&[("method", "mesh"), ("error", "0.1")]).expect("options");
         assert_eq!(mesh.method, Method::Mesh { error: Some(0.1) });

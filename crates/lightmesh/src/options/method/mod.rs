@@ -7,7 +7,7 @@ use std::fmt;
 
 pub use paper_scale::PaperScale;
 pub use quality::Quality;
-pub(super) use quality::samples_for;
+pub(super) use quality::SamplesOfPixel;
 
 use super::Falloff;
 

@@ -50,12 +50,23 @@ impl Quality {
     }
 }
 
-/// Samples of a pixel, and the most of one with noise, where nothing is said of them.
-pub(in crate::options) fn samples_for(method: Method) -> (u32, u32) {
-    match method.error() {
-        // Noise may be more than what other samples cost.
-        Some(error) if error >= Quality::Preview.error() => (2, 16),
-        _ => (4, 64),
+/// Samples and short rays of a pixel, where nothing is said of them.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::options) struct SamplesOfPixel {
+    pub spp: u32,
+    /// The most of a pixel with noise.
+    pub most_spp: u32,
+    pub near_rays: u32,
+}
+
+impl SamplesOfPixel {
+    /// Returns those that go with a method and its error.
+    pub(in crate::options) fn of(method: Method) -> Self {
+        match method.error() {
+            // Noise may be more than what other samples cost.
+            Some(error) if error >= Quality::Preview.error() => Self { spp: 2, most_spp: 16, near_rays: 8 },
+            _ => Self { spp: 4, most_spp: 64, near_rays: 16 },
+        }
     }
 }
 
