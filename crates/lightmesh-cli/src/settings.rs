@@ -87,7 +87,7 @@ mod tests {
             concat!(
                 r#"{"aov":"","bounces":3,"camera":"","cutoff":"0.001","depth":8,"environment":null,"#,
                 r#""environment-rotation":"0","environment-strength":"1","error":null,"falloff":"r2","field-falloff":"r2","#,
-                r#""gather-rays":256,"graded":null,"indirect-spacing":"auto","interpolation":"auto","light-error":"0.01","#,
+                r#""gather-rays":null,"graded":null,"indirect-spacing":"auto","interpolation":"auto","light-error":"0.01","#,
                 r#""light-radius":"0","light-samples":64,"method":"mesh","most-spp":null,"near-rays":16,"paper-scale":"visibility","#,
                 r#""rays":4,"refine":null,"seed":0,"size":"1280x720","spacing":"auto","spp":4,"time-limit":null,"#,
                 r#""units":"gltf","weight":"constant"}"#

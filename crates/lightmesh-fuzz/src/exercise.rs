@@ -72,7 +72,7 @@ pub(crate) fn options(method: Method) -> RenderOptions {
         (o.picture.width, o.picture.height, o.picture.spp) = (4, 4, 1);
         o.transport.bounces = 1;
         o.transport.depth = 4;
-        o.mesh.gather_rays = 4;
+        o.mesh.gather_rays = Some(4);
         (o.mesh.spacing, o.mesh.indirect_spacing) = (Spacing::Fraction(4.0), Spacing::Fraction(4.0));
         o.limits.max_memory = MEMORY;
     })

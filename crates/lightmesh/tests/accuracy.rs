@@ -139,7 +139,7 @@ fn unbiased_indirect_light_is_that_of_paths() {
             o.picture.spp = spp;
             o.seed = seed;
             o.mesh.indirect_spacing = Spacing::Metres(1.0);
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
         });
         let image = shoot(&scene, &room_camera(), &options).image;
         image.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
@@ -259,7 +259,7 @@ fn what_came_before_does_not_matter() {
         with(Method::MESH, Some(2)),
         with(Method::with_error(0.05), None),
     ] {
-        let options = options.with(|o| o.mesh.gather_rays = 32);
+        let options = options.with(|o| o.mesh.gather_rays = Some(32));
         let first = shoot(&scene, &room_camera(), &options).image;
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
         render(&scene, &elsewhere, &options, &mut mesh, &()).expect("frame");

@@ -42,7 +42,7 @@ fn asking_for_layers_changes_no_bit_of_the_picture() {
             o.transport.bounces = 2;
             o.picture.width = 48;
             o.picture.height = 36;
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
         });
         let layered = plain.clone().with(|o| o.picture.aovs = all(method));
         let (a, b) = (shoot(&scene, &room_camera(), &plain), shoot(&scene, &room_camera(), &layered));
@@ -63,7 +63,7 @@ fn layers_do_not_depend_on_the_number_of_threads() {
         let options = options(method).with(|o| {
             o.picture.spp = 2;
             o.transport.bounces = 1;
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
             o.picture.aovs = all(method);
         });
         let with_threads = |threads| {
@@ -82,7 +82,7 @@ fn direct_and_indirect_light_are_the_picture() {
         let options = options(method).with(|o| {
             o.picture.spp = 4;
             o.transport.bounces = 2;
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
             o.picture.aovs = all(method);
         });
         let frame = shoot(&scene, &room_camera(), &options);

@@ -15,7 +15,7 @@ const METHODS: [Method; 4] = [Method::MESH, Method::PAPER, Method::Hybrid, Metho
 fn with_bounces(method: Method, bounces: u32) -> RenderOptions {
     options(method).with(|o| {
         o.transport.bounces = bounces;
-        o.mesh.gather_rays = 64;
+        o.mesh.gather_rays = Some(64);
         o.mesh.spacing = Spacing::Metres(0.3);
         o.mesh.indirect_spacing = Spacing::Metres(0.6);
     })

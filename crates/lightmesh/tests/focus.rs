@@ -12,7 +12,7 @@ use lightmesh::{
 fn auto(method: Method) -> RenderOptions {
     options(method).with(|o| {
         (o.mesh.spacing, o.mesh.indirect_spacing) = (Spacing::Auto, Spacing::Auto);
-        o.mesh.gather_rays = 32;
+        o.mesh.gather_rays = Some(32);
         o.transport.bounces = 2;
     })
 }

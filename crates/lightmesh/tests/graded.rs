@@ -74,7 +74,7 @@ fn what_came_before_does_not_matter() {
         let with = |graded| {
             with(method, Some(graded)).with(|o| {
                 o.transport.bounces = 1;
-                o.mesh.gather_rays = 32;
+                o.mesh.gather_rays = Some(32);
             })
         };
         let first = shoot(&scene, &room_camera(), &with(2.5));

@@ -102,7 +102,7 @@ fn a_mesh_outlives_frames_that_were_cancelled() {
     for method in [Method::MESH, Method::PAPER, Method::Hybrid] {
         let options = options(method).with(|o| {
             o.transport.bounces = 2;
-            o.mesh.gather_rays = 32;
+            o.mesh.gather_rays = Some(32);
         });
         let truth = shoot(&scene, &room_camera(), &options).image;
         let mut mesh = LightMesh::new(&scene, &options).expect("mesh");

@@ -65,7 +65,7 @@ fn clusters_are_the_same_whoever_asks() {
         options(method).with(|o| {
             o.mesh.refine = refine;
             o.transport.bounces = bounces;
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
         })
     };
     for options in [

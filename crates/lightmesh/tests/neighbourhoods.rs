@@ -96,7 +96,7 @@ fn rules_go_with_bounces_and_a_second_frame_only_reads() {
     let scene = Scene::new(room()).expect("scene");
     let options = with_rule(Method::MESH, MissingCorners::Mirror).with(|o| {
         o.transport.bounces = 2;
-        o.mesh.gather_rays = 64;
+        o.mesh.gather_rays = Some(64);
     });
     let mut mesh = LightMesh::new(&scene, &options).expect("mesh");
     let first = render(&scene, &room_camera(), &options, &mut mesh, &()).expect("frame");
@@ -177,7 +177,7 @@ fn weights_are_normalised_for_indirect_light_too() {
             o.mesh.interpolation = interpolation;
             o.mesh.weight = weight;
             o.transport.bounces = 2;
-            o.mesh.gather_rays = 64;
+            o.mesh.gather_rays = Some(64);
         });
         for p in shoot(&scene, &room_camera(), &options).image.pixels {
             assert!((p / 1.875 - Vec3::ONE).abs().max_element() < 0.02, "{weight:?}: {p}");

@@ -151,7 +151,7 @@ fn a_mesh_that_several_fill_is_the_mesh_that_one_fills() {
             o.picture.width = 200;
             o.picture.height = 150;
             o.picture.spp = 3;
-            o.mesh.gather_rays = 32;
+            o.mesh.gather_rays = Some(32);
             // What short rays meet is found while the picture is drawn: 5% more points of the indirect mesh.
             o.mesh.near_rays = 0;
         });

@@ -174,7 +174,7 @@ fn the_limit_is_kept() {
         let free = options(method).with(|o| {
             o.picture.spp = 1;
             o.transport.bounces = 1;
-            o.mesh.gather_rays = 16;
+            o.mesh.gather_rays = Some(16);
             o.picture.aovs = aovs;
         });
         let limit = Duration::from_millis(500).max(4 * timed(&free).1);

@@ -21,7 +21,7 @@ impl PyLightMesh {
     #[new]
     #[pyo3(
         signature = (scene, *, cameras=None, **options),
-        text_signature = "(scene, *, cameras=None, size=None, method='mesh', quality=None, spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None)"
+        text_signature = "(scene, *, cameras=None, size=None, method='mesh', quality=None, spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=None, near_rays=None, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None)"
     )]
     fn new(
         scene: &Bound<'_, PyScene>,
@@ -57,7 +57,7 @@ impl PyLightMesh {
     #[staticmethod]
     #[pyo3(
         signature = (path, scene, **options),
-        text_signature = "(path, scene, *, size=None, method=None, quality=None, spp=None, most_spp=None, time_limit=None, bounces=None, error=None, depth=None, cutoff=0.001, falloff=None, light_error=None, seed=None, environment=None, environment_strength=None, environment_rotation=None, light_samples=None, light_radius=None, spacing=None, indirect_spacing=None, gather_rays=None, near_rays=16, refine=None, lod_distance=None, rays=None, interpolation=None, weight=None, field_falloff=None, paper_scale=None, aov=None, threads=None, max_memory=None)"
+        text_signature = "(path, scene, *, size=None, method=None, quality=None, spp=None, most_spp=None, time_limit=None, bounces=None, error=None, depth=None, cutoff=0.001, falloff=None, light_error=None, seed=None, environment=None, environment_strength=None, environment_rotation=None, light_samples=None, light_radius=None, spacing=None, indirect_spacing=None, gather_rays=None, near_rays=None, refine=None, lod_distance=None, rays=None, interpolation=None, weight=None, field_falloff=None, paper_scale=None, aov=None, threads=None, max_memory=None)"
     )]
     fn load(path: PathBuf, scene: &Bound<'_, PyScene>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let py = scene.py();

@@ -313,7 +313,7 @@ impl PyScene {
     /// the mesh's past.
     #[pyo3(
         signature = (*, camera=None, mesh=None, progress=None, denoise=false, **options),
-        text_signature = "($self, *, camera=None, size=None, method=None, quality=None, spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
+        text_signature = "($self, *, camera=None, size=None, method=None, quality=None, spp=None, most_spp=None, time_limit=None, bounces=3, error=None, depth=8, cutoff=0.001, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=None, near_rays=None, refine=None, lod_distance=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', aov=None, threads=None, max_memory=None, mesh=None, progress=None, denoise=False)"
     )]
     fn render(
         slf: &Bound<'_, Self>,
@@ -343,7 +343,7 @@ impl PyScene {
     /// The other options are those of render, but for those of pictures; progress counts meters, with "path" samples.
     #[pyo3(
         signature = (positions, normals, *, mesh=None, progress=None, **options),
-        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=256, near_rays=16, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory=None, mesh=None, progress=None)"
+        text_signature = "($self, positions, normals, *, method='mesh', spp=None, bounces=3, depth=8, falloff='r2', light_error=0.01, seed=0, environment=None, environment_strength=1.0, environment_rotation=0.0, light_samples=64, light_radius=0.0, spacing='auto', indirect_spacing='auto', gather_rays=None, near_rays=None, rays=4, interpolation='auto', weight='constant', field_falloff='r2', paper_scale='visibility', threads=None, max_memory=None, mesh=None, progress=None)"
     )]
     fn irradiance<'py>(
         slf: &Bound<'py, Self>,

@@ -92,7 +92,7 @@ impl Fingerprint {
         // How indirect values are gathered.
         digest.number(u64::from(key.finer_levels));
         digest.floats([key.light_error]);
-        digest.number(u64::from(key.gather_rays));
+        digest.number(u64::from(key.gather_rays.unwrap_or(RenderOptions::GATHER_RAYS)));
         digest.number(u64::from(key.depth));
         digest.number(key.seed);
         digest.finish()

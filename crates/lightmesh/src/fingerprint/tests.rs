@@ -117,7 +117,7 @@ fn whatever_changes_mesh_points_changes_the_fingerprint_of_settings() {
         |o| o.mesh.weight = PointWeight::Gaussian,
         |o| o.mesh.refine = Some(1),
         |o| o.transport.light_error = 0.02,
-        |o| o.mesh.gather_rays = 255,
+        |o| o.mesh.gather_rays = Some(255),
         |o| o.transport.depth = 7,
         |o| o.seed = 1,
         |o| o.transport.falloff = Falloff::ConstantPlusDistance { constant: 1.0 },

@@ -75,6 +75,7 @@ impl IndirectField {
         scene: &Scene,
         levels: Levels,
         interpolator: Interpolator,
+        gather_rays: u32,
         options: &RenderOptions,
         memory: FieldMemory,
     ) -> Self {
@@ -86,7 +87,7 @@ impl IndirectField {
             spots,
             points: Points::new(levels, interpolator),
             faces,
-            gather_rays: options.mesh.gather_rays,
+            gather_rays,
             depth: options.transport.depth,
             seed: options.seed,
             bounce_values: vec![Vec::new(); options.transport.bounces as usize + 1],

@@ -18,6 +18,7 @@ use crate::direct::DirectField;
 use crate::direct::encoding::refuse;
 use crate::indirect::IndirectField;
 use crate::mesh::{FinerLevels, Focus, Interpolator, Levels, Marks, PointRequests, Points, requests};
+use crate::options::IndirectMesh;
 use crate::world::FieldMemory;
 use crate::{Camera, Error, MeshKey, MeshStats, RenderOptions, RenderStats, Scene, Spacing};
 
@@ -91,8 +92,9 @@ impl LightMesh {
         // Make the meshes that the method uses.
         let has_indirect =
             options.method.has_mesh() && (options.transport.bounces > 0 || scene.has_unsampled_emitters());
+        let IndirectMesh { spacing, gather_rays } = options.indirect_mesh(scene.data().lights.len());
         let indirect = match has_indirect {
-            true => Some(levels("indirect-spacing", options.mesh.indirect_spacing, resolved.indirect_spacing)?),
+            true => Some(levels("indirect-spacing", options.mesh.indirect_spacing, spacing)?),
             false => None,
         };
         let spacing = match resolved.spacing {
@@ -108,8 +110,10 @@ impl LightMesh {
             bounces: options.transport.bounces,
             generation: 0,
             direct: DirectField::new(scene, direct, interpolator, options, of_direct)?,
-            indirect: indirect
-                .map(|levels| IndirectField::new(scene, levels, interpolator.without_rules(), options, of_indirect)),
+            indirect: indirect.map(|levels| {
+                let interpolator = interpolator.without_rules();
+                IndirectField::new(scene, levels, interpolator, gather_rays, options, of_indirect)
+            }),
         })
     }
 

@@ -7,10 +7,11 @@ use super::{Interpolation, PointWeight, Spacing};
 pub struct MeshOptions {
     /// Spacing of the direct mesh.
     pub spacing: Spacing,
-    /// Spacing of the indirect mesh.
+    /// Spacing of the indirect mesh; [`Spacing::Auto`]: 1/30, in scenes of 64 punctual lamps or more 1/45.
     pub indirect_spacing: Spacing,
-    /// Rays that gather light at a point of the indirect mesh; 1 to 65536.
-    pub gather_rays: u32,
+    /// Rays that gather light at a point of the indirect mesh; 1 to 65536. `None`: 256, or half of it where the spacing is
+    /// left open too and many lamps make it finer.
+    pub gather_rays: Option<u32>,
     /// Short rays at each pixel that find the light and shade of what is nearer to a surface than 1.5 spacings of the
     /// indirect mesh, shared by its samples; 0 to 65536. 0: surfaces get what the mesh says. For the methods
     /// [`Mesh`](super::Method::Mesh) and [`Hybrid`](super::Method::Hybrid), where meshes are read trilinear.
@@ -35,7 +36,7 @@ impl Default for MeshOptions {
         Self {
             spacing: Spacing::default(),
             indirect_spacing: Spacing::default(),
-            gather_rays: 256,
+            gather_rays: None,
             near_rays: 16,
             refine: None,
             lod_distance: None,

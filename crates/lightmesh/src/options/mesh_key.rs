@@ -38,7 +38,7 @@ pub struct MeshKey {
     /// Levels beyond the first.
     pub(crate) finer_levels: u32,
     pub(crate) light_error: f32,
-    pub(crate) gather_rays: u32,
+    pub(crate) gather_rays: Option<u32>,
     pub(crate) depth: u32,
     pub(crate) seed: u64,
 }
@@ -116,7 +116,12 @@ impl MeshKey {
     pub(crate) fn indirect_difference(&self, asked: &Self) -> Option<KeyDifference> {
         differ("falloff", &self.falloff, &asked.falloff)
             .or_else(|| differ("a bound on the error:", &yes(self.error_bound), &yes(asked.error_bound)))
-            .or_else(|| differ("gather rays", &self.gather_rays, &asked.gather_rays))
+            .or_else(|| {
+                // A mesh of as many as there are by default, few lamps or many, serves who does not ask.
+                let asked = asked.gather_rays.or(self.gather_rays.filter(|&rays| rays == RenderOptions::GATHER_RAYS));
+                let in_words = |rays: Option<u32>| rays.map_or("auto".to_owned(), |rays| rays.to_string());
+                differ("gather rays", &in_words(self.gather_rays), &in_words(asked))
+            })
             .or_else(|| differ("depth", &self.depth, &asked.depth))
             .or_else(|| differ("seed", &self.seed, &asked.seed))
     }

@@ -25,6 +25,7 @@ pub(crate) use mesh_key::PointKind;
 pub use mesh_key::{KeyDifference, MeshKey};
 pub use method::{Method, PaperScale, Quality};
 pub use picture::PictureOptions;
+pub(crate) use resolve::IndirectMesh;
 pub use spacing::Spacing;
 pub use transport::TransportOptions;
 use value::Expected;

@@ -365,7 +365,7 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             kind: SPACING,
             value_name: "METRES|1/K|auto",
             group: Group::Mesh,
-            help: "Distance between points of the indirect mesh; auto is 1/30",
+            help: "Distance between points of the indirect mesh; auto is 1/30, with 64 lamps or more 1/45",
             methods: MESHES,
             ..About::PLAIN
         },
@@ -378,12 +378,14 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             kind: Kind::Whole(1, 1 << 16),
             value_name: "N",
             group: Group::Mesh,
-            help: "Rays that gather light at a point of the indirect mesh, 1 to 65536",
+            help: "Rays that gather light at a point of the indirect mesh, 1 to 65536; half as many by default where auto \
+                   spacing is 1/45",
+            default_note: Some("256"),
             methods: MESHES,
             ..About::PLAIN
         },
-        get: |o| Some(Value::Whole(o.mesh.gather_rays.into())),
-        set: |o, value| o.mesh.gather_rays = value.whole() as u32,
+        get: |o| o.mesh.gather_rays.map(|rays| Value::Whole(rays.into())),
+        set: |o, value| o.mesh.gather_rays = Some(value.whole() as u32),
     },
     Entry {
         about: About {
@@ -393,6 +395,7 @@ pub const RENDER: [Entry<RenderOptions>; 26] = [
             group: Group::Mesh,
             help: "Short rays per pixel that find the indirect light and shade of what is nearer than 1.5 spacings of \
                    the indirect mesh, 0 to 65536; 0: what the mesh says",
+            default_note: Some("16; with --quality preview 8"),
             methods: &["auto", "mesh", "hybrid"],
             since: "0.2",
             ..About::PLAIN

@@ -37,6 +37,11 @@ impl Spacing {
         (Self::FEW_LIGHTS / lights.max(1) as f32).clamp(1.0, 2.0)
     }
 
+    /// Returns 1/`auto` in place of [`Self::Auto`].
+    pub(super) fn or(self, auto: f32) -> Self {
+        if self == Self::Auto { Self::Fraction(auto) } else { self }
+    }
+
     /// Returns the distance in metres where the length that it is a part of is `longest`; [`Self::Auto`] must have been
     /// resolved.
     pub(crate) fn metres(self, longest: f32) -> f32 {
