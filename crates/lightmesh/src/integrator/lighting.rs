@@ -12,7 +12,7 @@ use crate::interaction::ShadingPoint;
 use crate::light_mesh::{LightMarks, LightMesh};
 use crate::mesh::{CornerVisibility, Marks};
 use crate::progress::Reporter;
-use crate::{Error, Method, RenderOptions, RenderStats, Scene};
+use crate::{Error, RenderOptions, RenderStats, Scene};
 
 /// Where the light at surface points comes from.
 pub(crate) enum Lighting<'a> {
@@ -175,8 +175,9 @@ fn add_indirect(
             field.estimate_unbiased(&mut direct, marks, &unresolved, paths)?
         }
     };
-    // What a ray corrects may be more than is there: that is noise, and only the expectation of *unbiased* needs it.
-    let least = if matches!(direct.options.method, Method::Unbiased { .. }) { Vec3::NEG_INFINITY } else { Vec3::ZERO };
+    // What a ray corrects may be more than is there: that is noise, and the expectation needs it.
+    let is_unbiased = matches!(direct.plan.indirect, Indirect::Unbiased { .. });
+    let least = if is_unbiased { Vec3::NEG_INFINITY } else { Vec3::ZERO };
     let mut irradiance = irradiance.into_iter();
     for block in blocks {
         for &i in &block.unresolved {
