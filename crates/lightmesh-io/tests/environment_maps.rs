@@ -124,6 +124,12 @@ fn lossy_exr_texels_come_back_and_their_chunks_cannot_ask_for_memory() {
         assert_says(&refusal("sky.exr", &lying), &["a chunk announces more than its place in the picture holds"]);
     }
 
+    // Noise does not become shorter, and is stored as it is.
+    let noise: Vec<f32> =
+        (0..8 * 8_u32).map(|i| f32::from_bits(0x3f80_0000 | i.wrapping_mul(0x9e37_79b9) >> 9)).collect();
+    let file = encoded_exr(encoding, 8, 8, &["R", "G", "B"].map(|name| (name, floats(&noise))));
+    assert!(read("sky.exr", &file).is_ok());
+
     // Squares of 8 pixels hold a line of one.
     let line = vec![1.0; 1 << 14];
     let lines = Encoding { compression: Compression::DWAA(None), ..Encoding::SMALL_LOSSLESS };
