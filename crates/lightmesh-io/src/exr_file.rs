@@ -37,7 +37,8 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     budget.take(&file.name, "the decoder", announced.decoder_bytes, 1)?;
     reader.rewind().map_err(|cause| file.unreadable(cause))?;
     if meta.headers.iter().any(|header| exr_dwa::is_dwa(header.compression)) {
-        exr_dwa::check_chunks(file, &mut reader)?;
+        std::panic::catch_unwind(AssertUnwindSafe(|| exr_dwa::check_chunks(file, &mut reader)))
+            .map_err(|_| contradicts(file))??;
         reader.rewind().map_err(|cause| file.unreadable(cause))?;
     }
 
@@ -54,9 +55,8 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
             .from_buffered(reader)
     };
     // The library's slices take chunks at their word, and one may name a place outside the picture.
-    let image = std::panic::catch_unwind(AssertUnwindSafe(decode))
-        .map_err(|_| file.invalid("not a readable EXR: its chunks contradict its header"))?
-        .map_err(unreadable)?;
+    let image =
+        std::panic::catch_unwind(AssertUnwindSafe(decode)).map_err(|_| contradicts(file))?.map_err(unreadable)?;
     let layer_with = |names: [&str; 3]| {
         image.layer_data.iter().find_map(|layer| {
             let [r, g, b] = names.map(|name| full_channel(&layer.channel_data, name));
@@ -73,6 +73,10 @@ pub(crate) fn read(file: &PictureFile, mut reader: BufReader<File>, budget: &mut
     let pixels =
         r.values_as_f32().zip(g.values_as_f32().zip(b.values_as_f32())).map(|(r, (g, b))| Vec3::new(r, g, b)).collect();
     Ok(Image::new(size.x() as u32, size.y() as u32, pixels))
+}
+
+fn contradicts(file: &PictureFile) -> Error {
+    file.invalid("not a readable EXR: its chunks contradict its header")
 }
 
 /// Returns whether the library for EXR files may make threads of its own: as many as RAYON_NUM_THREADS says, or one for

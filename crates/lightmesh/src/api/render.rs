@@ -2,10 +2,8 @@
 
 use std::time::Instant;
 
-use glam::Vec3;
-
 use super::light_around::white_around;
-use crate::film::{Film, RenderClock, blacken_non_finite};
+use crate::film::{Film, RenderClock, blacken_non_finite, cut_noise_below_black};
 use crate::integrator::{Dots, Lighting, PointCloud, WaveFrame, adapt, paint_points, render_path, truncated_light};
 use crate::mesh::Points;
 use crate::scene::validate::check_camera;
@@ -68,10 +66,7 @@ pub fn render(
     }
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     stats.non_finite_pixels = blacken_non_finite(&mut image, &mut layers);
-    // Only *unbiased* promises an expectation: elsewhere noise below black is cut, once all samples of a pixel are in.
-    if !matches!(options.method, Method::Unbiased { .. }) {
-        image.pixels.iter_mut().for_each(|light| *light = light.max(Vec3::ZERO));
-    }
+    cut_noise_below_black(&mut image, options.method);
     stats.seconds.render = started.elapsed().as_secs_f64();
     mesh.report(options, &mut stats);
     if let Some(viewer) = viewer {

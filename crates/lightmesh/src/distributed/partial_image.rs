@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::waves::{WaveMethod, draw_waves, plan_waves};
 use crate::api::{new_film, white_around};
 use crate::direct::LightingPlan;
-use crate::film::{Film, RenderClock, blacken_non_finite};
+use crate::film::{Film, RenderClock, blacken_non_finite, cut_noise_below_black};
 use crate::integrator::Lighting;
 use crate::{Aov, Camera, Error, Frame, LightMesh, Method, Progress, RenderOptions, RenderStats, Scene};
 
@@ -226,6 +226,7 @@ pub fn merge_images(
     let (mut image, mut layers) = film.into_image();
     layers.retain(|layer| options.picture.aovs.contains(layer.aov));
     stats.non_finite_pixels = blacken_non_finite(&mut image, &mut layers);
+    cut_noise_below_black(&mut image, options.method);
     Ok(Frame { image, layers, stats })
 }
 

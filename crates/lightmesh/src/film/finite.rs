@@ -1,8 +1,8 @@
-//! Pixels that are not numbers.
+//! Pixels that no display can show: not numbers, or below black.
 
 use glam::{Vec3, Vec4};
 
-use crate::{Image, Layer};
+use crate::{Image, Layer, Method};
 
 /// Makes pixels black whose light or layers are infinite or not a number, as numbers near the ends of the range of 32-bit
 /// floats may leave them; returns how many they are. One such pixel would spread over every picture that is filtered or
@@ -34,6 +34,13 @@ pub(crate) fn blacken_non_finite(image: &mut Image, layers: &mut [Layer]) -> u64
     count
 }
 
+/// Cuts noise below black, once all samples of a pixel are in. Only *unbiased* promises an expectation.
+pub(crate) fn cut_noise_below_black(image: &mut Image, method: Method) {
+    if !matches!(method, Method::Unbiased { .. }) {
+        image.pixels.iter_mut().for_each(|light| *light = light.max(Vec3::ZERO));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +61,14 @@ mod tests {
         assert_eq!(layers[0].values[..3], [0.5; 3]);
         assert_eq!((&layers[0].values[3..], &layers[1].values[..]), (&[0.0; 9][..], &[2.0, 0.0, 0.0, 0.0][..]));
         assert_eq!(blacken_non_finite(&mut image, &mut layers), 0);
+    }
+
+    #[test]
+    fn only_unbiased_keeps_noise_below_black() {
+        let noisy = Image::new(2, 1, vec![Vec3::new(-1.0, 2.0, 0.0), Vec3::ONE]);
+        let (mut cut, mut kept) = (noisy.clone(), noisy.clone());
+        cut_noise_below_black(&mut cut, Method::AUTO);
+        cut_noise_below_black(&mut kept, Method::unbiased(4));
+        assert_eq!((cut.pixels[0], &kept.pixels), (Vec3::new(0.0, 2.0, 0.0), &noisy.pixels));
     }
 }

@@ -21,7 +21,7 @@ use coarse_preview::CoarsePreview;
 pub(crate) use display::UnlitSample;
 use display::UnlitSums;
 use emitter_edges::EmitterEdges;
-pub(crate) use finite::blacken_non_finite;
+pub(crate) use finite::{blacken_non_finite, cut_noise_below_black};
 use glam::{Vec2, Vec3};
 pub(crate) use layers::Layers;
 use order::TileOrder;
