@@ -9,7 +9,7 @@
 //! > E(y) = M(n) + π/K Σ_met [L(ω) − L_M(ω)], L = Le + a/π (D + M) where the ray ends,
 //!
 //! with L_M(ω) the radiance that gives the six faces of the mesh at y their irradiance ([`AmbientCube::radiance`]). Where all rays
-//! meet something, nothing of what the mesh says is left. Rays that meet nothing change nothing: in the open
+//! meet something, what the mesh says of a surface that faces along an axis is taken off whole, in the mean. Rays that meet nothing change nothing: in the open
 //! there is no noise, and a short ray through nothing is cheap. R, K and what they are worth: docs/near-light.md.
 
 use std::f32::consts::PI;

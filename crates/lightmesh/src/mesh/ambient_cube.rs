@@ -46,7 +46,8 @@ mod tests {
     use crate::sampling::{INV_GOLDEN, sample_cosine_hemisphere, unit_f32};
     use glam::Vec2;
 
-    /// What is blurred comes back: the light that a face gets of all directions is what the face says, whatever the others say.
+    /// What is blurred comes back: the light that a face gets of all directions is what the face says, whatever the others say. The
+    /// tolerance is empirical.
     #[test]
     fn radiance_lights_the_faces_as_they_say() {
         let n = 1_u32 << 12;

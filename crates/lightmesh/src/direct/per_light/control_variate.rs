@@ -20,7 +20,8 @@ const RESIDUAL_DEVIATION: f32 = 0.08;
 
 /// The same where rays go to random lights of clusters, or to random points of emitters: what they bring varies though it is
 /// seen. Beside strips of lamps 1.5 cm off a wall, of 3156 light samples, gather rays brought up to −125 lux to points of the
-/// indirect mesh with the former number, and left black spots.
+/// indirect mesh with the former number, and left black spots. Empirical: of 0.08 and 0.5 this one leaves none there, and four
+/// other scenes have the same error with both.
 const RANDOM_DEVIATION: f32 = 0.5;
 
 /// The least standard deviation of the visibility of lights towards an occluder. Without it 3.2 / 6.7%.
